@@ -228,10 +228,10 @@ class Newton:
         stopped = self._changes.shorten_to_contact(x, y)
         if self.balance.assembly.is_linear and self.balance.contact.normal.is_linear:
             return stopped
-        self._changes.foretell(x, y)
         tried, now = partial(self._residual, judged=False), snes.getFunction()[0].copy()
         if not self.balance.contact.has_friction:  # whose forces are no gradient of an energy
             foretold = self.balance.foretold_rows(y)
+            self._changes.foretell(x, y, foretold)
             self.balance.take_off(foretold, now)
             tried = partial(self._without, foretold)
         shortened = shorten_step(tried, x, y, snes, now, self._multipliers)

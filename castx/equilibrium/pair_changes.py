@@ -42,43 +42,42 @@ class PairChanges:
 
     Args:
         balance: the nonlinear problem.
+
+    Attributes:
+        foretold: forces by which closed pairs open [N], shape (pairs,); None: those they have.
     """
 
     def __init__(self, balance: MomentumBalance) -> None:
         self._balance = balance
         self._first_contact = FirstContact(balance.contact, balance.assembly.unknowns)
-        self._foretold: FloatArray | None = None
+        self.foretold: FloatArray | None = None
         self._openings: IntArray = np.zeros(len(balance.trial_forces), dtype=np.int32)
 
     def begin(self) -> None:
         """Begin a solve."""
-        self._foretold = None
+        self.foretold = None
         self._openings[:] = 0
 
-    def foretell(self, x: PETSc.Vec, y: PETSc.Vec) -> FloatArray | None:
+    def foretell(self, x: PETSc.Vec, y: PETSc.Vec, rows: FloatArray) -> None:
         """Keep the forces that closed pairs carry in the linear system after a step to x − y.
 
-        Friction and soft pairs open by forces of their own, and where bodies yield without regard
-        to a rate a linear system foretells little; there pairs would chatter.
+        Soft pairs, and those with friction, open by forces of their own, and where bodies yield
+        without regard to a rate a linear system foretells little; there pairs would chatter.
 
         Args:
             x: the iterate, evaluated last.
             y: the step, before a line search shortens it.
-
-        Returns:
-            The forces [N], shape (pairs,); None: it foretells none.
+            rows: of the linear system behind it, `MomentumBalance.foretold_rows`.
         """
         balance, pairs = self._balance, self._balance.contact.normal
         if pairs.follows_set or balance.contact.has_friction:
-            return None
+            return
         if not balance.assembly.flows_by_rate:
-            return None
+            return
         end = x.duplicate()
         end.waxpy(-1.0, y, x)
-        there = replace(balance.present(end), rows=balance.foretold_rows(y))
-        self._foretold = pairs.trial_forces(there)
+        self.foretold = pairs.trial_forces(replace(balance.present(end), rows=rows))
         end.destroy()
-        return self._foretold
 
     @booked_as(RunPart.CONTACT)
     def update_pairs(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
@@ -175,9 +174,9 @@ class PairChanges:
         """
         active = self._balance.active
         forces = np.where(active.closed, np.maximum(forces, 0.0), forces)
-        if self._foretold is not None:
+        if self.foretold is not None:
             certain = active.closed & ~active.held & (self._openings < MOST_FORETOLD)
-            forces[certain] = self._foretold[certain]
+            forces[certain] = self.foretold[certain]
         return forces
 
     def violates(self) -> bool:

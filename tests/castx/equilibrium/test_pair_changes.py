@@ -116,12 +116,13 @@ def test_a_linear_system_foretells_the_forces_at_the_end_of_a_step(comm, method)
     balance.residual(x, f)
     y = x.copy()
     y.axpy(-1.0, end)
-    foretold = PairChanges(balance).foretell(x, y)
+    changes = PairChanges(balance)
+    changes.foretell(x, y, balance.foretold_rows(y))
     balance.residual(end, f)
     closed = balance.active.closed
     there = everywhere(comm, balance.trial_forces[closed])
     np.testing.assert_allclose(
-        everywhere(comm, foretold[closed]), there, atol=1e-9 * np.abs(there).max()
+        everywhere(comm, changes.foretold[closed]), there, atol=1e-9 * np.abs(there).max()
     )
 
 
@@ -129,8 +130,9 @@ def test_a_linear_system_foretells_the_forces_at_the_end_of_a_step(comm, method)
 @pytest.mark.parametrize("contact", [{"friction": 0.3}, {"method": "penalty"}], ids=str)
 def test_friction_and_soft_pairs_open_by_forces_of_their_own(comm, contact):
     made = two_blocks(comm, **contact)
-    x = made.equilibrium.x
-    assert PairChanges(made.equilibrium.balance).foretell(x, x.copy()) is None
+    x, changes = made.equilibrium.x, PairChanges(made.equilibrium.balance)
+    changes.foretell(x, x.copy(), np.zeros(x.local_size))
+    assert changes.foretold is None
 
 
 @pytest.mark.parametrize("method", EXACT)
@@ -239,7 +241,6 @@ def test_what_liquid_holds_lets_go_in_equilibrium_alone(residual, forces):
         convergence=SimpleNamespace(
             smallest=0.1, weakest=1e3, rounding=0.0, is_met=lambda f: False
         ),
-        foretold_rows=lambda y: 0.0,
         supports=SimpleNamespace(change=lambda closed, all_quiet: True), is_linear=False,
         is_evaluated_at=lambda x: True, iterate=SimpleIterate(0.0),
         present=lambda x: SimpleIterate(0.0), trial_forces=trial, sum_up_again=lambda x, f: None,
@@ -247,7 +248,8 @@ def test_what_liquid_holds_lets_go_in_equilibrium_alone(residual, forces):
     )  # fmt: skip
     x: Any = vector()
     changes = PairChanges(balance)
-    assert changes.foretell(x, x) is not None
+    changes.foretell(x, x, np.zeros(2))
+    assert changes.foretold is not None
     f: Any = SimpleNamespace(norm=lambda: residual)
     assert changes.update_pairs(x, f)
     assert judged == pytest.approx(forces)
