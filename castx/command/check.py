@@ -207,11 +207,9 @@ def skin_texts(case: Case, summary: MeshSummary) -> Iterator[str]:
 
     They lie in the skin of a casting that carries a gap, and in what takes up its heat.
     """
-    bodies = {body.name: body for body in summary.bodies}
-    moduli = {name: body.modulus for name, body in bodies.items()}
-    for skin in skins(case, moduli):
+    for skin in skins(case, summary.moduli):
         other = next(name for name in skin.interface.split("/") if name != skin.casting)
-        height = bodies[skin.casting].heights.get(other)
+        height = summary.height(skin.casting, other)
         if height:
             yield skin.text(height)
     for soak, size in _soaks(case, summary):
@@ -222,9 +220,8 @@ def skin_texts(case: Case, summary: MeshSummary) -> Iterator[str]:
 
 def _soaks(case: Case, summary: MeshSummary) -> Iterator[tuple[Soak, float]]:
     """Yield the heat that moulds take up, and the sizes of their cells there [m], if known."""
-    bodies = {body.name: body for body in summary.bodies}
-    for soak in soaks(case, {name: body.modulus for name, body in bodies.items()}):
-        size = bodies[soak.mould].heights.get(soak.casting)
+    for soak in soaks(case, summary.moduli):
+        size = summary.height(soak.mould, soak.casting)
         if size:
             yield soak, size
 

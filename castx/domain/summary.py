@@ -83,6 +83,21 @@ class MeshSummary:
     bodies: tuple[BodySummary, ...]
     interfaces: tuple[InterfaceSummary, ...]
 
+    @property
+    def moduli(self) -> dict[str, float]:
+        """Volume over surface of the bodies by their names [m]."""
+        return {body.name: body.modulus for body in self.bodies}
+
+    def height(self, body: str, other: str) -> float | None:
+        """Return the height of the cells of a body at another one [m], None where they are apart.
+
+        Args:
+            body: its name.
+            other: name of the one that it touches.
+        """
+        heights = {each.name: each.heights for each in self.bodies}
+        return heights[body].get(other)
+
 
 def mesh_summary(mesh: CastingMesh) -> MeshSummary:
     """Return the sizes of a mesh; collective, the same on all ranks."""
