@@ -194,7 +194,7 @@ def choices() -> Answer:
     }  # fmt: skip
     return {
         "processes": [
-            {"name": p.name, "summary": p.summary, "alloy": p.alloy, "mould": p.mould}
+            {key: getattr(p, key) for key in ("name", "summary", "alloy", "mould", "refuses")}
             for p in processes
         ],
         "materials": [

@@ -159,11 +159,19 @@ castx.parts = (() => {
 
   const ofProcess = () => {
     const process = state.choices.processes.find((one) => one.name === at("new-process").value);
-    at("process-text").textContent = process ? process.summary : "Without a process, materials and temperatures are left to you, marked with CHOOSE.";
+    const refuses = process?.refuses ?? {};
+    at("process-text").textContent = process ? [process.summary, ...Object.values(refuses)].join("; ") + "." : "Without a process, materials and temperatures are left to you, marked with CHOOSE.";
     at("new-alloy").options[0].textContent = process ? `as usual: ${process.alloy}` : "–";
     at("new-mould").options[0].textContent = process ? `as usual: ${process.mould}` : "–";
     for (const id of ["new-alloy", "new-mould"]) at(id).disabled = !process;
+    for (const option of ["split", "top"]) {
+      at(`new-${option}`).disabled = option in refuses;
+      if (option in refuses) at(`new-${option}`).selectedIndex = 0;
+    }
+    ofSplit();
   };
+
+  const ofSplit = () => { at("new-plane").disabled = !at("new-split").value; };
 
   const write = async () => {
     const given = Object.fromEntries(["process", "alloy", "mould", "split", "top"].map((key) => [key, at(`new-${key}`).disabled ? "" : at(`new-${key}`).value]));
@@ -211,7 +219,7 @@ castx.parts = (() => {
 
   at("new-part").addEventListener("change", () => castx.trying(chosen));
   at("new-process").addEventListener("change", ofProcess);
-  at("new-split").addEventListener("change", () => { at("new-plane").disabled = !at("new-split").value; });
+  at("new-split").addEventListener("change", ofSplit);
   at("do-new").addEventListener("click", () => castx.trying(write));
   // Names in the text are those in the view; a part with other faces is drawn anew.
   const follow = async () => {

@@ -3,12 +3,13 @@
 Each number there is a table { value, unit, source }, and `[classes.zinc.KEY]` holds one that is
 another for a class of alloys. A process releases the casting a multiple of its freezing time after
 the pouring, or when it has cooled to a share of its solidus in °C; a strand leaves its mould when
-it has gone through its length, `castx.case.processes.strand`.
+it has gone through its length, `castx.case.processes.strand`. `[refuses]` says of options of
+`castx new` that it cannot have why that is so.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -38,6 +39,8 @@ _OF_STRANDS = (
     *(f"{zone}_{key}" for zone in ZONES for key in ("length", "water")),
 )  # fmt: skip
 """What a process with `mould_length` needs beside it."""
+OPTIONS = {"split": "--split", "top": "--top open"}
+"""Options of `castx new` for a mould that is made, which a process may refuse."""
 _OWN = {"density": "kg/m³", "heat_capacity": "J/kg/K", "conductivity": "W/m/K"}
 
 
@@ -57,6 +60,7 @@ class CastingProcess:
         sources: of the numbers.
         material: properties of the mould where the database of materials does not have it.
         classes: numbers in SI with their sources, by key, that are others for a class of alloys.
+        refuses: why it cannot have an option, by the names of `OPTIONS`.
     """
 
     name: str
@@ -70,6 +74,7 @@ class CastingProcess:
     sources: Mapping[str, str]
     material: Mapping[str, Any]
     classes: Mapping[str, Mapping[str, tuple[float, str]]]
+    refuses: Mapping[str, str]
 
     @property
     def is_strand(self) -> bool:
@@ -84,6 +89,25 @@ class CastingProcess:
         return replace(
             self, numbers={**self.numbers, **numbers}, sources={**self.sources, **sources}
         )
+
+
+def refuse_options(process: CastingProcess, given: Iterable[str]) -> None:
+    """Refuse options that a process cannot have.
+
+    Args:
+        process: the process.
+        given: names of `OPTIONS`.
+
+    Raises:
+        CaseError: one of them is refused; with the reason and the processes that have it.
+    """
+    for name in given:
+        if name in process.refuses:
+            others = [o for o in process_names() if name not in casting_process(o).refuses]
+            raise CaseError(
+                f"{OPTIONS[name]}: not with {process.name}: {process.refuses[name]}; leave it out, "
+                f"or choose a process that has it: {', '.join(others)}"
+            )
 
 
 @cache
@@ -123,7 +147,9 @@ def read_process(name: str, content: dict[str, Any], file: str) -> CastingProces
         if key not in given or of_class not in content.get("interfaces", {}):
             text = "is of a number of the process, for a class that has an interface"
             problems.append(Problem(("classes", of_class, key), text))
-    unknown = set(content) - {*_ABOUT, *_UNITS, "interfaces", "material", "classes"}
+    refuses = content.get("refuses", {})
+    problems += _refusal_problems(refuses)
+    unknown = set(content) - {*_ABOUT, *_UNITS, "interfaces", "material", "classes", "refuses"}
     problems += [Problem((key,), "unknown key") for key in sorted(unknown)]
     if problems:
         raise CaseError(summary(file, problems, content))
@@ -142,6 +168,7 @@ def read_process(name: str, content: dict[str, Any], file: str) -> CastingProces
             of_class: {key: (float(item["value"]), item["source"]) for key, item in rows.items()}
             for of_class, rows in classes.items()
         },
+        refuses,
     )
 
 
@@ -149,6 +176,14 @@ def _of_classes(classes: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
     """Yield the numbers that are others for a class of alloys, with class and key."""
     for name, rows in classes.items():
         yield from ((name, key, item) for key, item in rows.items())
+
+
+def _refusal_problems(refuses: Mapping[str, Any]) -> Iterator[Problem]:
+    for name, reason in refuses.items():
+        if name not in OPTIONS:
+            yield Problem(("refuses", name), f"no option; {among(name, tuple(OPTIONS))}")
+        if not isinstance(reason, str) or not reason:
+            yield Problem(("refuses", name), "the reason in quotes is needed")
 
 
 def _missing(content: Mapping[str, Any]) -> list[Problem]:

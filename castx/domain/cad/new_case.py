@@ -19,7 +19,7 @@ from castx.case.cad.process_template import process_text
 from castx.case.cad.strand_template import strand_text
 from castx.case.cad.template import MOULD, PLUG, NewCase, case_text
 from castx.case.processes.plan import ShellSize, chosen, plan_of, rounded
-from castx.case.processes.process import CastingProcess, casting_process
+from castx.case.processes.process import CastingProcess, casting_process, refuse_options
 from castx.case.processes.strand import strand_plan_of
 from castx.case.reading.read import load_case
 from castx.case.skin import MOST_GROWTH, skins
@@ -73,6 +73,12 @@ class Wanted:
     split: str | None = None
     open_top: bool = False
 
+    @property
+    def of_mould(self) -> list[str]:
+        """Names of the options that are given for a mould that is made."""
+        given = {"split": self.split is not None, "top": self.open_top}
+        return [name for name, wanted in given.items() if wanted]
+
 
 NOTHING = Wanted()
 
@@ -94,7 +100,7 @@ def write_new_case(
 
     Raises:
         CaseError: the file is no CAD file, the case file exists or cannot be written, or what is
-            wanted is not known.
+            wanted is not known or not for the process.
         MeshError: the CAD file cannot be meshed.
     """
     if not is_cad_file(cad_file):
@@ -104,8 +110,9 @@ def write_new_case(
     if wanted.process is None and (wanted.alloy or wanted.mould):
         raise CaseError("--alloy and --mould need --process, which says how they meet")
     process = None if wanted.process is None else casting_process(wanted.process)
-    if process is not None:
-        chosen(process, wanted.alloy, wanted.mould)  # refused before anything is meshed
+    if process is not None:  # refused before anything is meshed
+        chosen(process, wanted.alloy, wanted.mould)
+        refuse_options(process, wanted.of_mould)
     if process is not None and process.is_strand:
         text, lines = _strand(cad_file, target, process, wanted, say)
     else:
@@ -151,11 +158,6 @@ def _strand(
     cad_file: Path, target: Path, process: CastingProcess, wanted: Wanted, say: Say
 ) -> tuple[str, list[str]]:
     """Return the case file of a slice of a strand, and what is to be said of it."""
-    if wanted.split is not None or wanted.open_top:
-        raise CaseError(
-            "--split and --top act on a mould round a part; a strand runs through its mould: leave "
-            "them out"
-        )
     cut = new_slice(cad_file, target, process.numbers["shell"], say)
     plan = strand_plan_of(process, wanted.alloy, wanted.mould, cut.section)
     density = find_material(plan.plan.alloy, {}).density
@@ -189,7 +191,7 @@ def new_case(cad_file: Path, target: Path, wanted: Wanted = NOTHING, say: Say = 
         plugged = any(body.name == PLUG for body in found.report.bodies)
         text = _mould_text(replace(mould, plug=PLUG if plugged else None))
         return as_case(affordable(found, say), file, margin, text)
-    if wanted.split is not None or wanted.open_top:
+    if wanted.of_mould:
         names = ", ".join(name for name, _ in drawn.bodies)
         raise CaseError(
             "--split and --top act on a mould that castx new makes, where a file has none; "

@@ -142,6 +142,25 @@ def test_a_click_on_a_face_writes_its_selector_into_the_case_file(opened):
     assert tomllib.loads(text)["geometry"]["surfaces"] == {"top": {"normal": "+z"}}
 
 
+def test_what_a_process_cannot_have_is_not_offered_and_the_reason_is_told(opened):
+    browser, _ = opened
+    browser.value("castx.tabs.show('New case')")
+    browser.wait_for("castx.at('new-process').options.length > 3")
+    off = "['split', 'plane', 'top'].filter((name) => castx.at(`new-${name}`).disabled)"
+    browser.choose("#new-process", "gravity-die")
+    browser.choose("#new-split", "z")
+    browser.choose("#new-top", "open")
+    assert browser.value(off) == []
+    browser.choose("#new-process", "high-pressure-die")
+    assert browser.value(off) == ["top"] and browser.value("castx.at('new-top').value") == "closed"
+    assert "a die is closed" in browser.value("castx.at('process-text').textContent")
+    browser.choose("#new-process", "investment")
+    assert browser.value(off) == ["split", "plane"]
+    assert browser.value("castx.at('new-split').value") == ""
+    browser.choose("#new-process", "")
+    assert browser.value(off) == ["plane"]
+
+
 def test_the_time_of_a_run_is_unknown_until_one_has_come_to_its_end(opened):
     browser, folder = opened
     expected = "castx.at('expected').textContent"

@@ -1,5 +1,6 @@
 """Names and conditions of faces stand in the case file; castx new gets what was chosen."""
 
+import json
 import tomllib
 
 import pytest
@@ -122,7 +123,9 @@ def test_faces_between_bodies_have_names_only(actions):
 
 def test_choices_are_those_of_the_databases():
     found = choices()
-    assert {p["name"] for p in found["processes"]} >= {"gravity-die", "sand"}
+    refused = {p["name"]: set(p["refuses"]) for p in found["processes"]}
+    assert refused["sand"] == set() and refused["high-pressure-die"] == {"top"}
+    json.dumps(found)
     melts = {m["name"]: m["melts"] for m in found["materials"]}
     assert melts["AlSi7Mg"] and not melts["steel-H13"]
     convection = next(c for c in found["conditions"] if c["name"] == "convection")

@@ -5,7 +5,7 @@ from copy import deepcopy
 import pytest
 
 from castx.case.processes.names import process_names
-from castx.case.processes.process import casting_process, read_process
+from castx.case.processes.process import casting_process, read_process, refuse_options
 from castx.errors import CaseError
 from castx.materials.database import database_entry, database_names
 from castx.transfer.database import interface_entry
@@ -68,6 +68,8 @@ def test_a_class_of_alloys_has_numbers_of_its_own():
         (("foot_water",), NUMBER | {"unit": "L"}, 'foot_water.unit.*must be "L/m²/s"'),
         (("summary",), "", "summary.*missing"),
         (("superheet",), NUMBER, "superheet: unknown key"),
+        (("refuses",), {"tops": "so"}, 'refuses.tops.*no option; known: split, top .*mean "top"'),
+        (("refuses",), {"top": ""}, 'refuses.top = "": the reason in quotes'),
         (("classes",), {"zinc": {"superheat": NUMBER}}, "classes.zinc.superheat.*an interface"),
         (("classes",), {"aluminium": {"shell": NUMBER}}, "classes.aluminium.shell.*of a number"),
         (
@@ -98,6 +100,14 @@ def test_a_strand_needs_its_numbers():
     assert "upper_water: missing" in str(caught.value) and "taper: missing" in str(caught.value)
     strands = [name for name in process_names() if casting_process(name).is_strand]
     assert strands == ["continuous"]
+
+
+def test_what_a_process_cannot_have_is_refused_with_the_reason_and_others():
+    process = read_process("mine", CONTENT | {"refuses": {"split": "it is one piece"}}, "mine.toml")
+    refuse_options(process, ["top"])
+    refuse_options(process, [])
+    with pytest.raises(CaseError, match=r"--split: not with mine: it is one piece; .*sand$"):
+        refuse_options(process, ["top", "split"])
 
 
 def test_an_unknown_process_is_refused_with_those_there_are():

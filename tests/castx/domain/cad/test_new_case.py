@@ -347,6 +347,14 @@ def test_a_mould_may_part_at_the_foot_of_a_part_without_a_unit(tmp_path):
     [
         (Wanted(alloy="AlSi7Mg"), "--alloy and --mould need --process"),
         (Wanted(split="z"), r"--split and --top act on a mould .* bodies casting, die"),
+        (
+            Wanted("high-pressure-die", open_top=True),
+            "--top open: not with high-pressure-die: a die is closed while .*; leave it out, or "
+            "choose a process that has it: gravity-die, investment, sand",
+        ),
+        (Wanted("investment", split="z"), "--split: not with investment: a shell is one piece"),
+        (Wanted("continuous", split="z"), "--split: not with continuous: a strand runs through"),
+        (Wanted("continuous", open_top=True), "--top open: not with continuous: .* has no top"),
     ],
 )
 def test_what_does_not_go_together_is_refused(tmp_path, wanted, text):

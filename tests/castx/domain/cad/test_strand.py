@@ -139,12 +139,7 @@ def test_what_is_no_strand_is_refused(tmp_path, shape, names, text):
         new_slice(path, tmp_path / "a.toml", 0.012, lambda _: None)
 
 
-@pytest.mark.parametrize(
-    "wanted", [Wanted("continuous", split="z"), Wanted("continuous", open_top=True)]
-)
-def test_a_strand_has_no_halves_and_no_top(tmp_path, wanted):
+def test_an_alloy_that_no_mould_of_strands_is_known_for_is_refused(tmp_path):
     path = write_cad(tmp_path / "b.step", billet)
-    with pytest.raises(CaseError, match="a strand runs through its mould: leave them out"):
-        write_new_case(path, tmp_path / "a.toml", wanted)
     with pytest.raises(CaseError, match="no heat transfer between aluminium"):
         write_new_case(path, tmp_path / "a.toml", Wanted("continuous", "AlSi7Mg"))
