@@ -95,7 +95,7 @@ class PartViews:
         counts = np.array([len(corners) for corners in seen.triangles], dtype=np.uint32)
         points = np.concatenate(seen.triangles).astype(np.float32).reshape(-1)
         return {
-            "bodies": bodies_of(seen.faces),
+            "bodies": bodies_of(seen.faces, {} if is_cad_file(name) else content_of(text)),
             "faces": [
                 {"bodies": list(face.bodies), "text": face.text} for face in seen.faces
             ],
@@ -191,7 +191,7 @@ def extents_of(seen: SeenPart) -> dict[str, list[float]]:
         seen: the part.
     """
     found = {}
-    for body in bodies_of(seen.faces):
+    for body in bodies_of(seen.faces, {}):
         corners = [
             triangles.reshape(-1, 3)
             for face, triangles in zip(seen.faces, seen.triangles, strict=True)
@@ -201,9 +201,20 @@ def extents_of(seen: SeenPart) -> dict[str, list[float]]:
     return found
 
 
-def bodies_of(faces: Sequence[Face]) -> list[str]:
-    """Return the names of the bodies that have faces."""
-    return list(dict.fromkeys(body for face in faces for body in face.bodies))
+def bodies_of(faces: Sequence[Face], content: Mapping[str, Any]) -> list[str]:
+    """Return the names of the bodies that have faces, first those of a case in its order.
+
+    So bodies have the same colours here and in the view of the mesh.
+
+    Args:
+        faces: of the part.
+        content: of the case file, whatever is wrong in it; empty: there is none.
+    """
+    given = content.get("bodies")
+    entries = given if isinstance(given, list) else []
+    names = [entry.get("name") for entry in entries if isinstance(entry, Mapping)]
+    found = list(dict.fromkeys(body for face in faces for body in face.bodies))
+    return sorted(found, key=lambda name: names.index(name) if name in names else len(names))
 
 
 def stamp(path: str) -> tuple[str, int, int]:

@@ -38,7 +38,7 @@ castx.meshes = (() => {
         const { line } = await editor.change("set", { keys: field.path, value: input.value });
         if (line !== null) editor.reveal(line);
       }) });
-      return make("label", { title: field.meaning }, field.name, input, make("span", { className: "quiet" }, field.meaning.split(/[(;]/)[0].trim()));
+      return make("label", { title: field.meaning }, field.name, input, make("span", { className: "quiet" }, field.meaning.split(/[([;]/)[0].trim()));
     }));
   };
 

@@ -44,9 +44,17 @@ class Browser:
         folder: of its profile.
         width: of its window.
         height: of its window.
+        phone: whether it shows pages as a telephone does.
     """
 
-    def __init__(self, program: str, folder: Path, width: int = 1280, height: int = 900) -> None:
+    def __init__(
+        self,
+        program: str,
+        folder: Path,
+        width: int = 1280,
+        height: int = 900,
+        phone: bool = False,
+    ) -> None:
         ours, (self._in, theirs) = os.pipe(), os.pipe()
         self._out = ours[1]
         preparation = f'exec 3<&{ours[0]} 4>&{theirs}; exec "$@"'
@@ -61,7 +69,7 @@ class Browser:
         )  # fmt: skip
         os.close(ours[0])
         os.close(theirs)
-        self._rest, self._number, self._page = b"", 0, None
+        self._rest, self._number, self._page, self._phone = b"", 0, None, phone
         self.errors: list[str] = []
         target = self._call("Target.createTarget", url="about:blank")["targetId"]
         attached = self._call("Target.attachToTarget", targetId=target, flatten=True)
@@ -110,7 +118,7 @@ class Browser:
     def resize(self, width: int, height: int) -> None:
         self._call(
             "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1,
-            mobile=False,
+            mobile=self._phone,
         )  # fmt: skip
 
     def value(self, script: str) -> Any:

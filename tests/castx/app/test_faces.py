@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from castx.app import faces
-from castx.app.faces import PartViews, extents_of, known_surfaces
+from castx.app.faces import PartViews, bodies_of, extents_of, known_surfaces
 from castx.app.workplace import Workplace
 from castx.errors import CaseError
 from castx.meshes.cad.seen import SeenPart
@@ -85,6 +85,24 @@ def test_faces_between_bodies_are_surfaces_of_both():
     shared = flat(1, [0, 0, 1], [0, 0, 0.2], [0.3, 0.1, 0.2], bodies=("part", "mould"))
     found = known_surfaces([FACES[0], shared], {"up": [0]})
     assert found == {"part/up": [0], "part/mould": [1], "mould/part": [1]}
+
+
+@pytest.mark.parametrize(
+    "given, order",
+    [
+        (["part", "core", "mould"], ["part", "core", "mould"]),
+        (["mould"], ["mould", "core", "part"]),
+        ([], ["core", "mould", "part"]),
+        (None, ["core", "mould", "part"]),
+    ],
+)
+def test_bodies_stand_in_the_order_of_the_case(given, order):
+    """Which is that of their colours, as in the mesh."""
+    corners = [0, 0, 1], [0, 0, 0.2], [0.3, 0.1, 0.2]
+    found = [flat(n, *corners, bodies=b) for n, b in enumerate([("core", "mould"), ("part",)])]
+    content = {} if given is None else {"bodies": [{"name": name} for name in given]}
+    assert bodies_of(found, content) == order
+    assert bodies_of(found, {"bodies": [7, {"name": []}]}) == bodies_of(found, {"bodies": 7})
 
 
 def test_bodies_have_their_extents():

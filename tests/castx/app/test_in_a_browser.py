@@ -66,6 +66,8 @@ def test_a_size_is_written_and_the_mesh_that_it_makes_is_drawn(opened):
     browser.wait_for(f"{field} !== null")
     browser.value(f"{field}.value = '12 mm', {field}.dispatchEvent(new Event('change'))")
     browser.wait_for("castx.at('text').value.includes('size = \"12 mm\"')")
+    told = "[...document.querySelectorAll('#sizes .quiet')].map((line) => line.textContent)"
+    assert not [line for line in browser.value(told) if "[" in line or not line]
     narrow = "document.querySelector('[data-size=narrowest]')"
     browser.value(f"{narrow}.value = '0.5 mm', {narrow}.dispatchEvent(new Event('change'))")
     browser.wait_for("castx.at('text').value.includes('narrowest = \"0.5 mm\"')")

@@ -210,7 +210,7 @@ def test_a_solid_turned_inside_out_is_refused(tmp_path):
 def test_the_top_of_a_casting_is_open_and_its_mould_has_halves(tmp_path):
     path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 3, 40, 10, 10)])
     said = []
-    wanted = Wanted("sand", "AlSi7Mg", split="z", open_top=True)
+    wanted = Wanted("sand", "AlSi7Mg", "sand-chromite", "z", open_top=True)
     write_new_case(path, tmp_path / "bar.toml", wanted, said.append)
     case = load_case(tmp_path / "bar.toml")
     assert case.geometry.cad.mould.split == (2, pytest.approx(0.008))
@@ -218,6 +218,7 @@ def test_the_top_of_a_casting_is_open_and_its_mould_has_halves(tmp_path):
     assert low == pytest.approx((-0.01, -0.01, -0.007))
     assert high == pytest.approx((0.05, 0.02, 0.013))
     assert [body.name for body in case.bodies] == ["bar", "mould-low", "mould-high"]
+    assert [body.material for body in case.bodies] == ["AlSi7Mg", *["sand-chromite"] * 2]
     assert "bar/outside" in [boundary.on for boundary in case.boundaries]
     assert said[0].startswith("meshing bar.step") and said[-1].startswith("bar: 40 × 10 × 10 mm")
     placed = new_case(path, tmp_path / "b.toml", replace(wanted, split="z=12mm"))

@@ -93,10 +93,10 @@ def test_the_report_stands_alone(page, text):
 
 
 @pytest.mark.skipif(found_browser() is None, reason="needs chromium on this machine")
-@pytest.mark.parametrize("width", [390, 1280])
-def test_a_phone_shows_the_whole_width(folder, text, tmp_path, width):
+@pytest.mark.parametrize("phone, width", [(True, 390), (False, 390), (False, 1280)])
+def test_a_phone_shows_the_whole_width(folder, text, tmp_path, phone, width):
     """Tables that are wider move inside the page."""
-    with Browser(found_browser(), tmp_path / "profile", width=width) as browser:
+    with Browser(found_browser(), tmp_path / "profile", width, phone=phone) as browser:
         browser.open(f"file://{folder / 'report.html'}")
         wide = browser.wait_for("document.readyState === 'complete' && innerWidth")
         assert wide == width
