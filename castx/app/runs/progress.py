@@ -13,6 +13,7 @@ from castx.errors import CaseError
 from castx.process.remaining import Remaining
 from castx.report.page.charts import merged, run_sections
 from castx.results.files.folder import CASE, HISTORY, RECORD
+from castx.results.files.reason import Reason
 from castx.results.reading import Results
 
 LONGEST = 100_000_000
@@ -56,7 +57,7 @@ def version_of(folder: Path) -> int:
 
 
 def read_run(folder: Path) -> dict[str, Any]:
-    """Return record, last step and curves of a run, for JSON."""
+    """Return record, last step and curves of a run, for JSON; one that goes on has no `exit`."""
     if (folder / HISTORY).stat().st_size > LONGEST:
         return {"curves": [], "said": "the history is too long to be drawn here: castx report"}
     try:
@@ -65,12 +66,14 @@ def read_run(folder: Path) -> dict[str, Any]:
         return {"curves": [], "said": str(error)}
     solid = {name: float(run.history[f"{name}.solid_fraction"][-1]) for name in run.freezing
              if f"{name}.solid_fraction" in run.history}  # fmt: skip
+    exit_reason = run.record["exit"]["reason"]
+    goes_on = exit_reason == Reason.RUNNING
     return {
-        "exit": run.record["exit"]["reason"],
+        "exit": "" if goes_on else exit_reason,
         "message": run.record["exit"]["message"],
         "time": float(run.history["time"][-1]),
         "end": run.record["end"],
-        "left": None if run.record["exit"]["reason"] else left_of(run),
+        "left": left_of(run) if goes_on else None,
         "steps": len(run.history["time"]) - 1,
         "solid": solid,
         "curves": merged({run.case["name"]: run_sections(run)}),

@@ -17,22 +17,24 @@ TOLD = 1e3
 
 
 def suctions(run: Results) -> Iterator[Finding]:
-    """Yield the largest suction in the melt of each casting, and at each of its interfaces."""
+    """Yield the largest suction in the melt of each casting, then at its walls, largest first."""
     for body in run.freezing:
         yield from _suction(
             run, f"{body}.melt_suction", "Largest suction of the melt", body, "melt_suction",
             "Mean stress of melt in the mush; pores open where it reaches `cavitation`, 101 kPa by "
             "default.",
         )  # fmt: skip
+    walls: list[Finding] = []
     for name in run.interfaces:
         castings = set(name.split("/")) & set(run.freezing)
         if not castings:  # what pulls between tools is no melt
             continue
-        yield from _suction(
+        walls += _suction(
             run, f"{name}.suction", "Largest suction at the wall", name, "wall_suction",
             "By this a wall pulls metal that is not solid yet, and cannot leave it; it is no "
             "contact pressure, but part of the force.", castings,
         )  # fmt: skip
+    yield from sorted(walls, key=lambda wall: -wall.value)
 
 
 def _suction(

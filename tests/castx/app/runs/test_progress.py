@@ -7,6 +7,7 @@ import shutil
 import pytest
 
 from castx.app.runs.progress import RunProgress, version_of
+from castx.results.files.reason import Reason
 
 pytestmark = pytest.mark.serial
 
@@ -17,7 +18,8 @@ def write_run(folder, steps):
     """Write a run whose casting gains a quarter of its solid in each second."""
     folder.mkdir(exist_ok=True)
     record = {
-        "castx": "0.1.0", "model": "3d", "case": {"name": "a run"}, "exit": {"reason": ""},
+        "castx": "0.1.0", "model": "3d", "case": {"name": "a run"},
+        "exit": {"reason": Reason.RUNNING, "message": ""},
         "bodies": {"casting": {"material": "Al-pure", "freezes": [660.0, 660.0]}},
     }  # fmt: skip
     (folder / "run.json").write_text(json.dumps(record))
@@ -76,7 +78,8 @@ def test_the_time_left_is_unknown_until_the_casting_freezes(tmp_path):
     folder = write_clocked(tmp_path / "run", [0.1] * 3, [0.0, 0.001, 0.002], end=1.0)
     assert RunProgress().state(folder, 0)["left"] is None
     folder = write_clocked(tmp_path / "run", [0.1] * 4, [0.0, 0.1, 0.2, 0.3], end=1.0)
-    assert RunProgress().state(folder, 0)["left"] == pytest.approx(6 * 2.0)
+    found = RunProgress().state(folder, 0)
+    assert found["left"] == pytest.approx(6 * 2.0) and found["exit"] == ""
 
 
 def test_steps_are_bounded_by_the_case_in_the_folder(tmp_path):

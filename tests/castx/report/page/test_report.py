@@ -104,6 +104,22 @@ def test_a_phone_shows_the_whole_width(folder, text, tmp_path, phone, width):
         assert browser.value("document.documentElement.scrollWidth") <= width
 
 
+LINES = """[...document.querySelectorAll("td[data-finding]")].map((cell) => {
+  const range = document.createRange();
+  range.selectNodeContents(cell.firstChild);
+  return range.getClientRects().length;
+})"""
+
+
+@pytest.mark.skipif(found_browser() is None, reason="needs chromium on this machine")
+def test_a_number_and_its_unit_stand_in_one_line(folder, text, tmp_path):
+    with Browser(found_browser(), tmp_path / "profile", width=700) as browser:
+        browser.open(f"file://{folder / 'report.html'}")
+        browser.wait_for("document.readyState === 'complete'")
+        lines = browser.value(LINES)
+        assert lines and set(lines) == {1}
+
+
 DRAWN = """void (() => {
   const root = document.createElement("div");
   root.innerHTML = '<div data-curves="Gaps"></div>';

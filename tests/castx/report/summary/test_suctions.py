@@ -49,6 +49,14 @@ def test_halves_of_a_mould_that_pull_each_other_are_no_suction_of_metal():
     assert len(list(suctions(run(**changed | {"freezing": ["die-high"]})))) == 1
 
 
+def test_the_wall_that_pulls_most_comes_first():
+    pulls = {"casting/chill": 9e5, "casting/core": 4e4, "casting/mould": 8e7}
+    columns = {f"{name}.suction": np.array([0.0, pull, 0.0, 0.0]) for name, pull in pulls.items()}
+    history = Columns({"time": TIME} | columns)
+    found = list(suctions(run(history=history, interfaces=tuple(pulls))))
+    assert [wall.of for wall in found] == ["casting/mould", "casting/chill", "casting/core"]
+
+
 def test_small_suctions_are_left_out():
     assert not suction([0.0, 0.99 * TOLD, 0.0, 0.0], [0.0, 0.0, 0.99 * TOLD, 0.0])
     assert not list(suctions(run()))
