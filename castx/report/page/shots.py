@@ -241,7 +241,7 @@ def view_and_factor(
         state: what is in the picture.
         shown: how.
         place: through which a cut goes, if that leaves enough of the castings, or to whose side
-            one looks from outside; None: the middle, and one and the same side.
+            one looks from outside and at whole bodies; None: the middle, and the same side.
     """
     # A mould that lies at the side of the whole is cut with its casting, not seen from there.
     inner = [name for name in run.freezing if name in state] or shown.bodies
@@ -256,7 +256,9 @@ def view_and_factor(
         drawn = [deformed(grid, factor) for grid in castings]
         y = float(moved_place(state, shown.bodies, place, factor)[1])
         view = replace(view, cut=_through(y, drawn))
-    if shown.outside and place is not None and coloured and view.direction is not None:
+    alone = view.cut is None and set(state) <= set(shown.bodies)
+    outside = shown.outside or alone
+    if outside and place is not None and coloured and view.direction is not None:
         view = replace(view, direction=_facing(view.direction, coloured[0], place))
     return replace(view, pixels=PIXELS), factor
 

@@ -158,6 +158,7 @@ def test_what_a_process_cannot_have_is_not_offered_and_the_reason_is_told(opened
     assert "a die is closed" in browser.value("castx.at('process-text').textContent")
     browser.choose("#new-process", "investment")
     assert browser.value(off) == ["split", "plane"]
+    assert browser.value("getComputedStyle(castx.at('new-plane')).opacity") == "0.5"
     assert browser.value("castx.at('new-split').value") == ""
     browser.choose("#new-process", "")
     assert browser.value(off) == ["plane"]

@@ -165,6 +165,17 @@ def test_a_cut_moves_with_the_place_in_a_picture_with_displacements(y, cut):
     assert view.cut == pytest.approx(cut + 1e-3 * factor)
 
 
+@pytest.mark.parametrize("y, side", [(1.0, -1.0), (3.0, 1.0)])
+def test_a_part_that_has_left_its_mould_is_seen_from_the_side_of_the_place(y, side):
+    grid = blocks()["casting"]
+    grid["displacement"] = -1e-3 * (grid.points - 1.0)
+    run = results()
+    run.model, run.grids = "3d", lambda time=2.0: {"casting": grid}
+    shown = Shown("von_mises", ("casting",), moved=True)
+    view, _ = view_and_factor(run, {"casting": grid}, shown, [1.5, y, 1.5])
+    assert view.cut is None and np.sign(view.direction[1]) == side
+
+
 def test_a_body_that_a_cut_takes_away_is_not_drawn():
     def beside(time=2.0):
         image = pyvista.ImageData(dimensions=(2, 2, 2), origin=(0, 0, 0), spacing=(1, 0.5, 1))
