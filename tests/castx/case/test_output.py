@@ -15,6 +15,12 @@ def test_output():
     assert output.every == 5.0 and output.fields == FIELDS
 
 
+def test_gap_and_solidification_time_are_written_at_events_unless_others_are_asked_for():
+    output = Output.read({})
+    assert {"temperature", "gap", "solidification_time"} <= set(output.fields)
+    assert output.every is None
+
+
 def test_probe():
     probe = Probe.read(PROBE)
     assert (probe.body, probe.interface, probe.quantities) == ("casting", None, ("temperature",))
@@ -49,7 +55,7 @@ def test_refused_output(keys, text):
         ({"below": "casting/top", "depth": -1e-3}, "depth: must be .*at least 0"),
         (
             {"body": None, "interface": "a/b", "below": "a/b", "quantities": ["gap"]},
-            'below: needs the body into which the depth goes',
+            "below: needs the body into which the depth goes",
         ),
         ({"at": [0]}, "at: at least 2 needed, there are 1"),
         ({"at": [0, 0, 0, 0]}, "at: at most 3 allowed"),
