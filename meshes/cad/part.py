@@ -16,7 +16,7 @@ from castx.meshes.cad.healing import mend, refuse_flat_cells, refuse_small
 from castx.meshes.cad.meshing import add_groups, generate, write
 from castx.meshes.cad.mould import CHANNEL, extents, named_by_making, whole_halves, with_mould
 from castx.meshes.cad.narrow import refuse_narrow_faces, without_narrow_faces
-from castx.meshes.cad.reading import read_solids
+from castx.meshes.cad.reading import place_text, read_solids
 from castx.meshes.cad.report import Report, report_of
 from castx.meshes.cad.selection import named_faces
 from castx.meshes.cad.shell import carve_shell
@@ -25,6 +25,8 @@ COARSE = 12
 """Cells along the longest extent where no size is given."""
 USUAL = (1e-3, 10.0)
 """Extents of parts that nobody wonders about [m]: millimetres read as metres make others."""
+SLOW_CELL = 0.01
+"""Quality of the worst cell below which a run may take long."""
 
 
 def mesh_part(part: CadPart, file: str) -> Report:
@@ -58,7 +60,7 @@ def mesh_part(part: CadPart, file: str) -> Report:
         quality, faces, named = _meshed(part, volumes, faces, named, f"{file}.sizes")
     except ValueError as error:
         raise NoCellsError(str(error)) from None
-    told = [*left_out, *remarks, *given, *unusual_size(extent)]
+    told = [*left_out, *remarks, *given, *unusual_size(extent), *nearly_flat(quality)]
     carved = () if part.mould is None or part.shell is None else part.mould.parts
     report = report_of(volumes, drawn, faces, named, quality, told, carved)
     write(file)
@@ -92,6 +94,17 @@ def unusual_size(extent: float) -> Iterator[str]:
         yield (
             f"the longest extent of the solids is {extent:.3g} m, while castings have {USUAL[0]:g} "
             f"to {USUAL[1]:g} m: if that is wrong, export them from CAD in the right unit"
+        )
+
+
+def nearly_flat(quality: Quality) -> Iterator[str]:
+    """Yield a remark if the worst cell is so flat that a run may take long."""
+    if quality.worst < SLOW_CELL:
+        yield (
+            f"the worst cell, at {place_text(np.array(quality.place))}, has a quality of "
+            f"{quality.worst:.2g}, and below {SLOW_CELL:g} a run may take many more iterations: if "
+            "grooves, a thread or slivers make it, geometry.narrowest above the width of their "
+            "faces leaves them out, and geometry.tolerance mends slivers"
         )
 
 

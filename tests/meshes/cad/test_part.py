@@ -7,8 +7,10 @@ import pytest
 
 from castx.domain.gmsh_import import read_model
 from castx.domain.source import gmsh_session
+from castx.meshes.cad import part as part_module
+from castx.meshes.cad.cells import Quality
 from castx.meshes.cad.description import CadFile, CadPart, Selector
-from castx.meshes.cad.part import mesh_part, unusual_size
+from castx.meshes.cad.part import mesh_part, nearly_flat, unusual_size
 from tests.cad_files import bush_in_ring, write_cad
 
 pytestmark = pytest.mark.serial
@@ -53,3 +55,21 @@ def test_a_part_in_a_mistaken_unit_is_told(tmp_path, side, told):
     assert bool(remarks) == told
     if told:
         assert f"is {side * 1e-3:g} m" in remarks[0] and "in the right unit" in remarks[0]
+
+
+def test_flat_cells_are_told_below_a_hundredth():
+    for worst, told in ((0.0024, 1), (0.011, 0)):
+        quality = Quality(9, 0.7, worst, (0.01222, -0.0001927, 0.0379), 5, 4e-6, 0.0122)
+        found = list(nearly_flat(quality))
+        assert len(found) == told
+        assert not told or found[0].startswith(
+            "the worst cell, at (0.01222, -0.0001927, 0.0379) m, has a quality of 0.0024, and below"
+        )
+
+
+def test_a_mesh_with_flat_cells_has_a_remark_with_the_cure(tmp_path, monkeypatch):
+    monkeypatch.setattr(part_module, "SLOW_CELL", 1.0)
+    path = write_cad(tmp_path / "a.step", lambda occ: [occ.addBox(0, 0, 0, 20, 20, 10)])
+    with gmsh_session():
+        (told,) = mesh_part(CadPart((CadFile(str(path)),), 0.01), str(tmp_path / "a.msh")).remarks
+    assert "geometry.narrowest above the width of their faces" in told
