@@ -27,7 +27,7 @@ class Events:
         self,
         time: float,
         phase: Phase,
-        bodies: Sequence[str],
+        bodies: Mapping[str, float],
         *,
         removed: Mapping[str, float],
         renewed: Sequence[str],
@@ -38,7 +38,7 @@ class Events:
         Args:
             time: when [s].
             phase: cycle and stage.
-            bodies: that are there now.
+            bodies: that are there now, with the solid fractions that they had before.
             removed: solid fractions of the bodies that the stage removes.
             renewed: bodies that are new.
             forces: that draw bodies, see `ejection_forces`.
@@ -58,6 +58,10 @@ class Events:
             "t = %g s: cycle %d, stage %d with %s",
             time, phase.cycle, phase.stage, ", ".join(bodies),
         )  # fmt: skip
+        for body, fraction in bodies.items():
+            if removed and body not in renewed and fraction < FULLY_SOLID:
+                text = "%s is %.1f %% solid as %s leaves"
+                _log.info(text, body, 100.0 * fraction, ", ".join(removed))
         for body, fraction in removed.items():
             if fraction < FULLY_SOLID:
                 text = "%s is removed at t = %g s though only %.1f %% of it is solid"

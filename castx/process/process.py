@@ -137,11 +137,13 @@ class Process:
         forces = ejection_forces(self.now.problem, drawn)
         self._begin(number)
         self._take_over(known)
-        removed = [name for name in before if name not in self.now.mesh.bodies]
-        solid = {name: last.get(f"{name}.solid_fraction", 1.0) for name in removed}
+        here = list(self.now.mesh.bodies)
+        removed = [name for name in before if name not in here]
+        solid = {name: last.get(f"{name}.solid_fraction", 1.0) for name in (*here, *removed)}
         self._events.note_stage(
-            time, self.phase, list(self.now.mesh.bodies),
-            removed=solid, renewed=sorted(self._renewed), forces=forces,
+            time, self.phase, {name: solid[name] for name in here},
+            removed={name: solid[name] for name in removed},
+            renewed=sorted(self._renewed), forces=forces,
         )  # fmt: skip
         return True
 

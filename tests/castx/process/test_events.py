@@ -21,9 +21,8 @@ def test_a_stage_is_noted_with_what_it_changes(caplog):
     caplog.set_level(logging.INFO)
     events = Events()
     forces = {"core": {"friction": 0.2, "normal": 1000.0, "force": 200.0}}
-    events.note_stage(
-        5.0, phase(), ["casting", "core"], removed={"mould": 1.0}, renewed=[], forces=forces
-    )
+    here = {"casting": 1.0, "core": 1.0}
+    events.note_stage(5.0, phase(), here, removed={"mould": 1.0}, renewed=[], forces=forces)
     (event,) = json.loads(json.dumps(events.known))
     assert event == {
         "time": 5.0, "cycle": 2, "stage": 1, "bodies": ["casting", "core"],
@@ -36,10 +35,22 @@ def test_a_stage_is_noted_with_what_it_changes(caplog):
 
 def test_a_body_that_is_removed_before_it_is_solid_is_warned_of(caplog):
     Events().note_stage(
-        5.0, phase(), ["mould"], removed={"casting": 0.934, "core": 1.0}, renewed=[], forces={}
+        5.0, phase(), {"mould": 1.0}, removed={"casting": 0.934, "core": 1.0}, renewed=[], forces={}
     )
     warnings = [r.message for r in caplog.records if r.levelno == logging.WARNING]
     assert warnings == ["casting is removed at t = 5 s though only 93.4 % of it is solid"]
+
+
+@pytest.mark.parametrize(
+    "removed, renewed, told", [(["die"], [], True), ([], [], False), (["die"], ["casting"], False)]
+)
+def test_a_casting_that_is_not_solid_as_its_mould_leaves_is_told(caplog, removed, renewed, told):
+    caplog.set_level(logging.INFO)
+    Events().note_stage(
+        18.0, phase(), {"casting": 0.885, "core": 1.0}, removed=dict.fromkeys(removed, 1.0),
+        renewed=renewed, forces={},
+    )  # fmt: skip
+    assert caplog.messages[1:] == ["casting is 88.5 % solid as die leaves"] * told
 
 
 def test_cycles_are_periodic_when_change_and_distance_are_small(caplog):
@@ -62,6 +73,6 @@ def test_cycles_are_periodic_when_change_and_distance_are_small(caplog):
 def test_stages_between_the_cycles_do_not_disturb_the_comparison():
     events = Events()
     for cycle, change in ((2, 8.0), (3, 2.0)):
-        events.note_stage(4.0, phase(), ["casting"], removed={}, renewed=[], forces={})
+        events.note_stage(4.0, phase(), {"casting": 0.5}, removed={}, renewed=[], forces={})
         events.note_cycle(4.0 * cycle, cycle, change, periodic=0.6)
     assert events.known[-1]["distance"] == pytest.approx(2.0 / 3.0)
