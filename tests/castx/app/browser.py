@@ -14,6 +14,9 @@ from typing import Any, Self
 import pytest
 
 NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
+TRIES = 5
+"""Clicks beside what moves away, as when a field that was typed into comes into view."""
+
 PATIENCE = 120.0  # s; a busy machine takes several times as long as an idle one
 
 
@@ -156,17 +159,20 @@ class Browser:
         """
         found = f"document.querySelector({json.dumps(element)})"
         self.wait_for(f"{found} && !{found}.disabled && {found}.getBoundingClientRect().width > 0")
-        x, y, seen = self.value(
-            f"(() => {{ const e = {found}; e.scrollIntoView({{ block: 'center' }});"
-            "const b = e.getBoundingClientRect();"
-            "const [x, y] = [b.left + b.width / 2, b.top + b.height / 2];"
-            "window.pressed = false;"
-            "e.addEventListener('mousedown', () => { window.pressed = true; }, { once: true });"
-            "return [x, y, e.contains(document.elementFromPoint(x, y))]; })()"
-        )
-        assert seen, f"{element} is covered"
-        self.click(x, y)
-        assert self.value("window.pressed"), f"{element} moved away under the mouse"
+        for _ in range(TRIES):
+            x, y, seen = self.value(
+                f"(() => {{ const e = {found}; e.scrollIntoView({{ block: 'center' }});"
+                "const b = e.getBoundingClientRect();"
+                "const [x, y] = [b.left + b.width / 2, b.top + b.height / 2];"
+                "window.pressed = false;"
+                "e.addEventListener('mousedown', () => { window.pressed = true; }, { once: true });"
+                "return [x, y, e.contains(document.elementFromPoint(x, y))]; })()"
+            )
+            assert seen, f"{element} is covered"
+            self.click(x, y)
+            if self.value("window.pressed"):
+                return
+        raise AssertionError(f"{element} moved away under the mouse {TRIES} times")
 
     def enter(self, element: str, text: str) -> None:
         """Type a text into a field in place of what stands there, and leave it by the tab key."""
