@@ -150,8 +150,8 @@ class MaterialPoints:
         """
         law = partial(respond, self.conditions, self._start)
         mean_stress = partial(self._mean_stress, strain, pressure)
-        self._strain = strain = self.thickness.complete(strain, law, mean_stress)
-        self._response = law(deviatoric(strain))
+        self._strain = self.thickness.complete(strain, law, mean_stress)
+        self._response = law(deviatoric(self._strain))
         self.stress.x.array[:] = self.response.stress.ravel()
         self.isotropic.x.array[:] = self.response.isotropic
         if not self.law.is_linear:
@@ -270,9 +270,8 @@ class MaterialPoints:
         self.thickness.rewind()
         self._secant.forget()
         if self._committed is not None:
-            start, conditions, step, compressibility, free = self._committed
-            self._start, self._conditions, self._step = start, conditions, step
-            self._secant.rewind(conditions, start.softening)
+            self._start, self._conditions, self._step, compressibility, free = self._committed
+            self._secant.rewind(self._conditions, self._start.softening)
             self._contracted, self._shape = self._volume.contracted, self.history.shape
             self.compressibility.x.array[:] = compressibility
             self.thermal_strain.x.array[:] = free

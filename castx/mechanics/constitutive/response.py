@@ -65,8 +65,8 @@ def respond(conditions: Conditions, start: PointHistory, strain: FloatArray) -> 
 def _solid_response(conditions: Conditions, start: PointHistory, strain: FloatArray) -> Response:
     G, flow, shares = conditions.shear_modulus, conditions.flow, conditions.shares
     carried, strained = shares.carried[:, None], shares.strained
-    change = strain - start.strain - conditions.shape
-    elastic = carried * start.elastic + strained[:, None] * change
+    stretched = strain - start.strain - conditions.shape
+    elastic = carried * start.elastic + strained[:, None] * stretched
     plastic, equivalent = carried * start.plastic, shares.carried * start.equivalent
     trial = (2 * G)[:, None] * elastic
     none = np.zeros(len(G))

@@ -35,7 +35,11 @@ NORTON = {"model": "norton", "coefficient": 1e-20, "exponent": 3.0, "coherency":
 
 
 def at(
-    points: IntegrationPoints, law: Law, solid_fraction: float, temperature=560.0, step=0.5,
+    points: IntegrationPoints,
+    law: Law,
+    solid_fraction: float,
+    temperature=560.0,
+    step=0.5,
     start: float | None = None,
 ) -> Conditions:
     """Return the coefficients of a step to a solid fraction, from another one at its start."""

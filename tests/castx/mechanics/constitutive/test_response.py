@@ -64,6 +64,20 @@ def test_a_norton_liquid_creeps(points):
     assert found.equivalent.max() == 0.0
 
 
+def test_a_strain_of_contraction_alone_leaves_the_solid_free_of_stress(points):
+    """Its deviatoric part is taken off the strain; liquid beside the solid resists all of it."""
+    law = Law(metal(**NEWTONIAN), 560.0, PLASTIC)
+    shape = strains(points, 2e-3, 1)
+    history = PointHistory.initial(points)
+    solid = at(points, law, 1.0)._replace(shape=shape)
+    found = respond(solid, history, shape)
+    assert np.abs(found.stress).max() < 1e-9 * G and found.equivalent.max() == 0.0
+    assert np.abs(respond(solid, history, 0.0 * shape).stress).max() > 1e-4 * G
+    half = at(points, law, (1.0 + COHERENCY) / 2, step=2.0)._replace(shape=shape)
+    liquid = (1.0 - half.shares.end)[:, None] * VISCOSITY * shape
+    np.testing.assert_allclose(respond(half, history, shape).stress, liquid, atol=1e-9 * G)
+
+
 def mixed(points, law: Law, solid_fraction: float) -> tuple[Conditions, Response]:
     """Return what a freezing cell does that has been half solid, and strained, before."""
     half = (1.0 + COHERENCY) / 2
