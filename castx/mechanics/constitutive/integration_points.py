@@ -181,9 +181,7 @@ class IntegrationPoints:
         Args:
             values: of the cells, shape (cells,).
         """
-        here = self.to_nodes(self.from_cells(values), len(self._own_weights))
-        part, whole = nodal_sum(self._body, np.column_stack([here, self._own_weights])).T
-        return np.asarray(part / whole)
+        return self.vectors_around_nodes(self.from_cells(values)[:, None])[:, 0]
 
     @cached_property
     def _own_weights(self) -> FloatArray:
@@ -197,9 +195,8 @@ class IntegrationPoints:
             values: of the volumes, shape (volumes,).
             some: which of them give and take, shape (volumes,); others have none.
         """
-        part, whole = map(
-            self.means_around_nodes, (np.where(some, values, 0.0), some.astype(float))
-        )
+        both = np.column_stack([np.where(some, values, 0.0), some.astype(float)])
+        part, whole = self.vectors_around_nodes(np.repeat(both, self.per_cell, axis=0)).T
         means = np.divide(part, whole, out=np.zeros_like(part), where=whole > 0)
         return np.where(some, means[self.cell_nodes].mean(axis=1), 0.0)
 
