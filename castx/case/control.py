@@ -175,4 +175,4 @@ class Solver(Description):
     mechanics: Annotated[PetscOptions, PlainValidator(_options)] = Field({})
     contact: Annotated[PetscOptions, PlainValidator(_options)] = Field({})
     heat_tolerance: Annotated[str | float, PlainValidator(_tolerance)] = "automatic"
-    mechanics_tolerance: _Tolerance = 1e-3
+    mechanics_tolerance: _Tolerance = 3e-4

@@ -22,8 +22,8 @@ ROUNDING = 2e-14
 MEANT_STRAIN = 1e-6
 """Strain whose rounding is a force without meaning, whatever the bodies do at present."""
 
-STANDING, USUAL_TOLERANCE = 5, 1e-3
-"""Iterates without progress that are a standstill, and the tolerance of a case that gives none."""
+STANDING, LOOSEST_ADVISED = 5, 1e-3
+"""Iterates without progress that are a standstill, and a tolerance beyond which none is advised."""
 
 BODY_SHARE = 1e-4
 """Least part of the largest internal forces of any body to which those of another are resolved."""
@@ -122,7 +122,7 @@ class ForceConvergence:
 def standstill(residuals: Sequence[float], wanted: float, tolerance: float) -> str:
     """Return advice for a residual that stands still just above its limit, or nothing.
 
-    Rounding keeps it there, not the forces: the usual tolerance would have accepted it.
+    Rounding keeps it there, not the forces.
 
     Args:
         residuals: of the iterates [N].
@@ -135,7 +135,7 @@ def standstill(residuals: Sequence[float], wanted: float, tolerance: float) -> s
     if last.min() < 0.5 * min(residuals[:-STANDING]):
         return ""
     enough = 10.0 ** np.ceil(np.log10(tolerance * last.max() / wanted))
-    if enough > USUAL_TOLERANCE:
+    if enough > LOOSEST_ADVISED:
         return ""
     return (
         f"; the residual stands still between {last.min():.2g} and {last.max():.2g} N and has to "

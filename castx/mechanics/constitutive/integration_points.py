@@ -167,6 +167,11 @@ class IntegrationPoints:
         shares = self.weights / self.weights.sum(axis=1, keepdims=True)
         return np.asarray(np.einsum("cp,cp...->c...", shares, parts))
 
+    def cell_tensors(self, values: FloatArray) -> FloatArray:
+        """Return means over the cells of tensors at the points, shape (cells, 6)."""
+        means = self.cell_means(values)
+        return np.pad(means, ((0, 0), (0, 6 - means.shape[1])))
+
     def integrals(self, values: Sequence[FloatArray]) -> FloatArray:
         """Return ∫ v over the body of arrays of nodal values, shape (arrays,); collective."""
         return self.summed(np.array([self._own_weights @ each for each in values]))

@@ -19,7 +19,7 @@ from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.mechanics.constitutive.law import Conditions, Law
 from castx.mechanics.constitutive.liquid_volume import forgotten
 from castx.mechanics.constitutive.plane_stress import deviatoric
-from castx.mechanics.constitutive.response import Response, respond, secant_softening
+from castx.mechanics.constitutive.response import Response, foreseen, respond, secant_softening
 from castx.mechanics.constitutive.secant_modulus import SecantModulus
 from castx.mechanics.constitutive.thickness import thickness
 from castx.stateful import Arrays, Saved
@@ -58,7 +58,7 @@ class MaterialPoints:
         self._conditions: Conditions | None = None
         self._response: Response | None = None
         self._strain: FloatArray = np.zeros((points.count, points.components))
-        self._step = 1.0
+        self._step, self._begins = 1.0, False
         self._gained: FloatArray = np.zeros(points.count)
         self._committed: tuple[PointHistory, Conditions, float, FloatArray, FloatArray] | None
         self._committed = None
@@ -108,7 +108,7 @@ class MaterialPoints:
         c = self.law.conditions(
             self.points, temperature, solid_fraction, step, self._nodes, between
         )
-        self._start, self._conditions, self._step = self.history, c, step
+        self._start, self._conditions, self._step, self._begins = self.history, c, step, True
         self.thickness.begin(self.coherent)
         self._secant.use(c, self.history.softening)
         self._contracted = self._volume.contracted + c.contraction
@@ -151,7 +151,9 @@ class MaterialPoints:
         law = partial(respond, self.conditions, self._start)
         mean_stress = partial(self._mean_stress, strain, pressure)
         self._strain = self.thickness.complete(strain, law, mean_stress)
-        self._response = law(deviatoric(self._strain))
+        evaluated = foreseen if self._begins else respond
+        self._response = evaluated(self.conditions, self._start, deviatoric(self._strain))
+        self._begins = False
         self.stress.x.array[:] = self.response.stress.ravel()
         self.isotropic.x.array[:] = self.response.isotropic
         if not self.law.is_linear:
@@ -184,18 +186,13 @@ class MaterialPoints:
 
     def mechanical_strain(self) -> FloatArray:
         """Return ε - e^θ/3 1 - e^c of the cells with all of their contraction, (cells, 6)."""
-        strain = self._tensors(self._strain - self._shape)
+        strain = self.points.cell_tensors(self._strain - self._shape)
         strain[:, :3] -= self.contracted[:, None] / 3.0
         return strain
 
     def viscoplastic_strain(self) -> FloatArray:
         """Return the viscoplastic strain of the solid of the cells, shape (cells, 6)."""
-        return self._tensors(self.response.plastic)
-
-    def _tensors(self, values: FloatArray) -> FloatArray:
-        """Return means over the cells of tensors at the points, shape (cells, 6)."""
-        means = self.points.cell_means(values)
-        return np.pad(means, ((0, 0), (0, 6 - means.shape[1])))
+        return self.points.cell_tensors(self.response.plastic)
 
     def plastic_power(self) -> FloatArray:
         """Return s:ε̇_vp [W/m³], shape (points,)."""
@@ -269,6 +266,7 @@ class MaterialPoints:
         """
         self.thickness.rewind()
         self._secant.forget()
+        self._begins = False
         if self._committed is not None:
             self._start, self._conditions, self._step, compressibility, free = self._committed
             self._secant.rewind(self._conditions, self._start.softening)

@@ -11,6 +11,7 @@ from castx.mechanics.constitutive.history import PointHistory
 from castx.mechanics.constitutive.law import Conditions
 from castx.mechanics.constitutive.return_mapping import (
     plastic_work,
+    product,
     return_mapping,
     tensor_norm,
     viscoplastic_strain,
@@ -60,6 +61,28 @@ def respond(conditions: Conditions, start: PointHistory, strain: FloatArray) -> 
     if (share == 1.0).all():
         return response
     return _mixture(response, share, *_liquid_response(conditions, start, strain))
+
+
+def foreseen(conditions: Conditions, start: PointHistory, strain: FloatArray) -> Response:
+    """Return the response to the strains with which the iteration of a step begins.
+
+    A point that has not moved yet resists the contraction of a whole step, and metal beside a front
+    yields at once. The step will strain it by de^c or so: its stress and tangent are those of the
+    law linear about e + de^c, its history is that of `respond`. Arguments and errors as there.
+    """
+    response, shape = respond(conditions, start, strain), conditions.shape
+    still = ((strain == start.strain).all(axis=1) & shape.any(axis=1))[:, None]
+    if conditions.flow is None or not still.any():
+        return response
+    there = respond(conditions, start, strain + shape)
+    change = there.isotropic[:, None] * shape
+    change += (there.radial * product(there.direction, shape))[:, None] * there.direction
+    return response._replace(
+        stress=np.where(still, there.stress - change, response.stress),
+        isotropic=np.where(still[:, 0], there.isotropic, response.isotropic),
+        radial=np.where(still[:, 0], there.radial, response.radial),
+        direction=np.where(still, there.direction, response.direction),
+    )
 
 
 def _solid_response(conditions: Conditions, start: PointHistory, strain: FloatArray) -> Response:

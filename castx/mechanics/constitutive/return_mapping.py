@@ -109,13 +109,18 @@ def viscoplastic_strain(returned: Returned) -> FloatArray:
 
 def plastic_work(returned: Returned) -> FloatArray:
     """Return the work s : Δe_vp of the step per volume [J/m³], shape (points,)."""
-    along = (returned.stress * returned.direction) @ _weights(returned.stress)
+    along = product(returned.stress, returned.direction)
     return np.asarray(np.sqrt(1.5) * returned.increment * along)
 
 
 def tensor_norm(tensor: FloatArray) -> FloatArray:
     """Return the norm √(t:t) of tensors by components, shape (points,)."""
-    return np.asarray(np.sqrt((tensor * tensor) @ _weights(tensor)))
+    return np.asarray(np.sqrt(product(tensor, tensor)))
+
+
+def product(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the contractions a:b of tensors by components, shape (points,)."""
+    return np.asarray((a * b) @ _weights(a))
 
 
 def _weights(tensor: FloatArray) -> FloatArray:

@@ -21,7 +21,7 @@ from pathlib import Path
 from mpi4py import MPI
 import castx.command.cli
 from castx.checkpoint.chunks import ChunkedRows
-from castx.mechanics.constitutive import points as material_points
+from castx.mechanics.constitutive import response
 from castx.heat.body import ThermalBody
 from castx.errors import ConvergenceError
 from castx.results import vtu_fields
@@ -29,7 +29,7 @@ from castx.results.gathered import GatheredBody
 
 PLACES = {
     "heat": (ThermalBody, "conducted_heat"),
-    "law": (material_points, "respond"),
+    "law": (response, "respond"),
     "pieces": (vtu_fields, "write_piece"),
     "gathered": (GatheredBody, "nodal"),
     "checkpoint": (ChunkedRows, "collected"),

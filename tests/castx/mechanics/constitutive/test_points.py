@@ -14,6 +14,8 @@ from castx.materials.flow import PLASTIC, VISCOPLASTIC
 from castx.materials.inelastic import FLOW_RULES
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.constitutive.law import ELASTIC, Law
+from castx.mechanics.constitutive.points import MaterialPoints
+from castx.mechanics.constitutive.response import respond
 from castx.mechanics.description import MechanicalBody
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
@@ -366,6 +368,26 @@ def test_rewound_stress_is_that_of_the_accepted_step(comm, law):
         made.equilibrium.rewind()
         size = np.abs(accepted).max()
         np.testing.assert_allclose(stresses(comm, made, "casting"), accepted, atol=1e-9 * size)
+
+
+def test_metal_that_cannot_contract_bears_all_of_its_stress(points, cells):
+    """The first iteration of a step foresees its contraction; none that follows does."""
+    metal = elastic(YOUNG, POISSON, 2e-5, yield_stress=YIELD, **MELTING)
+    made = MaterialPoints(points, Law(metal, 560.0, PLASTIC), cells, starts_liquid=True)
+    fraction = np.linspace(0.0, 1.0, points.cell_nodes.max() + 1)
+    still = np.zeros((points.count, points.components))
+    for step in range(2):
+        made.begin(610.0 - 50.0 * fraction - 400.0 * step, fraction, 1.0)
+        law = partial(respond, made.conditions, made.history, still)
+        made.update(still)
+        assert step == 0 or np.abs(made.response.stress - law().stress).max() > 1e6
+        for _ in range(2):
+            made.update(still)
+            np.testing.assert_array_equal(made.response.stress, law().stress)
+        made.commit(np.zeros(points.volumes))
+    made.rewind()
+    made.update(still)
+    np.testing.assert_array_equal(made.response.stress, law().stress)
 
 
 @pytest.mark.parametrize("kind", [Kind("plane-strain"), Kind("plane-strain", stabilisation="gls"),

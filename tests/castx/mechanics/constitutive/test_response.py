@@ -11,6 +11,7 @@ from castx.mechanics.constitutive.law import Conditions, Law
 from castx.mechanics.constitutive.response import (
     SMALLEST_SECANT,
     Response,
+    foreseen,
     respond,
     secant_softening,
 )
@@ -146,6 +147,32 @@ def test_the_tangent_is_the_derivative_of_the_stress(points, name, start):
     predicted += (found.radial * along)[:, None] * found.direction
     forward, back = (respond(c, history, strain + sign * change).stress for sign in (1, -1))
     np.testing.assert_allclose((forward - back) / 2, predicted, rtol=1e-4, atol=1e-4)
+
+
+def test_what_has_not_moved_is_foreseen_to_contract(points):
+    """Without the stress that its contraction would have if the solid did not follow."""
+    law = Law(metal(**NEWTONIAN), 560.0, PLASTIC)
+    before, half = strains(points, 1e-3, 1), 0.5 * (1 + COHERENCY)
+    history = after(points, at(points, law, half), PointHistory.initial(points), before)
+    shape = strains(points, 5e-3, 4)
+    shape[0] = 0.0
+    c = at(points, law, 0.9, start=half)._replace(shape=shape)
+    strain = before.copy()
+    strain[1] += 1e-9
+    found, plain = foreseen(c, history, strain), respond(c, history, strain)
+    for name in ("elastic", "plastic", "equivalent", "work"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(plain, name))
+    for name in ("stress", "isotropic", "radial", "direction"):
+        np.testing.assert_array_equal(getattr(found, name)[:2], getattr(plain, name)[:2])
+    there, rate = (respond(c, history, before + part * shape) for part in (1.0, 1.0 + 1e-7))
+    linear = there.stress - (rate.stress - there.stress) / 1e-7
+    np.testing.assert_allclose(found.stress[2:], linear[2:], rtol=1e-4, atol=1.0)
+    assert np.abs(found.stress - plain.stress)[2:].max(axis=1).min() > 1e5
+    assert there.equivalent.max() < plain.equivalent[2:].min()
+    never = c._replace(flow=None)
+    np.testing.assert_array_equal(
+        foreseen(never, history, strain).stress, respond(never, history, strain).stress
+    )
 
 
 def test_softening_is_the_secant_modulus(points):
