@@ -190,6 +190,9 @@ def test_softening_is_the_secant_modulus(points):
     # At least a thousandth: the pressure of what has no stiffness left would not be smoothed.
     weak = found._replace(elastic=1e-9 * found.elastic)
     np.testing.assert_allclose(secant_softening(weak, c, start, strain), 1e-3, rtol=1e-12)
+    # Flow against the present stress makes nothing stiffer than elastic.
+    turned = found._replace(plastic=-0.5 * found.elastic)
+    np.testing.assert_array_equal(secant_softening(turned, c, start, strain), 1.0)
     # Far below one pascal, too.
     tiny = strains(points, 1e-13)
     half = respond(c, start, tiny)
