@@ -82,7 +82,7 @@ def test_linear_solves_see_forces_beside_the_rows_of_pairs_that_close(norm, left
 @pytest.mark.sampled
 @pytest.mark.parametrize("method", ["condensed", "multipliers"])
 def test_a_pair_that_opens_while_a_skin_creeps_does_not_hold_the_iteration_up(comm, method):
-    """Ten changes of twenty pairs in one step of ten iterations at most; one of them returns."""
+    """Nine pairs of twenty open in one step of ten iterations at most, and none returns."""
     data = {
         "geometry": {"generator": "cylinder_in_mould", "model": "axisymmetric", "radius": 0.04,
                      "height": 0.06, "wall": 0.06, "floor": 0.03, "size": 0.0075},
@@ -107,7 +107,7 @@ def test_a_pair_that_opens_while_a_skin_creeps_does_not_hold_the_iteration_up(co
         opened += counters.contact_changes
         assert counters.cutbacks == 0 and counters.mechanics_iterations <= 10
         gap = state.totals["casting/mould.mean_gap"]
-    assert opened == 21
+    assert opened == 19
     assert gap == pytest.approx(1.7149e-5, rel=1e-3)
 
 
