@@ -356,6 +356,8 @@ def cell_stress(material: MaterialPoints, mean: FloatArray) -> FloatArray:
         material: gives the deviatoric stress s of its last update.
         mean: mean stress p [Pa], shape (cells,).
     """
-    stress = material.points.cell_tensors(material.response.stress)
+    deviator = material.points.cell_means(material.response.stress)
+    stress = np.zeros((len(deviator), 6))
+    stress[:, : deviator.shape[1]] = deviator
     stress[:, :3] += mean[:, None]
     return stress
