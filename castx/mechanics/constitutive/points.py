@@ -109,7 +109,7 @@ class MaterialPoints:
             self.points, temperature, solid_fraction, step, self._nodes, between
         )
         self._start, self._conditions, self._step, self._begins = self.history, c, step, True
-        self.thickness.begin(self.coherent)
+        self.thickness.begin(c.shares.end > 0)
         self._secant.use(c, self.history.softening)
         self._contracted = self._volume.contracted + c.contraction
         self._shape = self.history.shape + c.shape

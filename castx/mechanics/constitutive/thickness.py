@@ -2,13 +2,14 @@
 
 A plane does not show the end faces of the mould, which hold the melt: its weight would drive it out
 of the plane. So metal keeps its thickness while it is not coherent, and the solid counts from
-there. With χ = 1 in the solid and χ = 0 in the melt, and e the strain of the whole body in
+there. With χ = 1 in cells with solid and χ = 0 in the melt, and e the strain of the whole body in
 generalised plane strain,
 
     ε_zz = ε_zz,n + χ (e − e_n),   ∫ χ σ_zz = 0,
 
 n being the start of the step. Where nothing is solid e is held at e_n. In plane stress each point
-of the solid has a strain ε_zz of its own, by σ_zz = 0.
+of the solid has a strain ε_zz of its own, by σ_zz = 0; points of the melt keep theirs in a cell
+with solid, too.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class Thickness:
     """Strain out of the plane of a body that follows from its unknowns everywhere.
 
     Attributes:
-        follows: χ of the cells.
+        follows: χ of the cells, in plane stress of the points.
         kept: ε_zz of the cells beside χ e.
         normal: ε_zz of plane stress at the integration points; None: other models.
         hold: stiffness that holds e [Pa], zero where the solid does; None: it always does.
@@ -49,12 +50,10 @@ class Thickness:
     hold: fem.Constant | None = None
     start: fem.Constant | None = None
 
-    def begin(self, coherent: BoolArray) -> None:
-        """Begin a trial step in which these cells are solid, shape (cells,); collective."""
+    def begin(self, solid: BoolArray) -> None:
+        """Begin a trial step in which these points are solid, shape (points,); collective."""
 
-    def complete(
-        self, strain: FloatArray, respond: Respond, mean_stress: MeanStress
-    ) -> FloatArray:
+    def complete(self, strain: FloatArray, respond: Respond, mean_stress: MeanStress) -> FloatArray:
         """Return strains with ε_zz, shape (points, components).
 
         Args:
@@ -115,8 +114,9 @@ class CommonThickness(Thickness):
         anywhere = self._comm.allreduce(bool(solid[: self._owned].any()), op=MPI.LOR)
         self.hold.value = 0.0 if anywhere else self._modulus
 
-    def begin(self, coherent: BoolArray) -> None:
-        """Begin a trial step in which these cells are solid, shape (cells,); collective."""
+    def begin(self, solid: BoolArray) -> None:
+        """Begin a trial step in which these points are solid, shape (points,); collective."""
+        coherent = np.asarray(self._points.by_cell(solid).any(axis=1))
         change = self._last_solid.astype(np.float64) - coherent
         self._use(coherent, self._last_kept + change * float(self.start.value))
 
@@ -155,29 +155,27 @@ class FreeThickness(Thickness):
 
     Args:
         points: integration points of the body.
-        cells: functions constant in each cell; None: the body never is a liquid.
+        melts: whether the body may be a liquid.
     """
 
     normal: fem.Function
 
-    def __init__(self, points: IntegrationPoints, cells: fem.FunctionSpace | None) -> None:
+    def __init__(self, points: IntegrationPoints, melts: bool) -> None:
         self._points, self.normal = points, points.scalar()
         self._last: FloatArray = np.zeros(points.count)
-        if cells is not None:
-            self.follows = fem.Function(cells)
+        if melts:
+            self.follows = points.scalar()
 
-    def begin(self, coherent: BoolArray) -> None:
-        """Begin a trial step in which these cells are solid, shape (cells,)."""
+    def begin(self, solid: BoolArray) -> None:
+        """Begin a trial step in which these points are solid, shape (points,)."""
         if isinstance(self.follows, fem.Function):
-            self.follows.x.array[:] = coherent
+            self.follows.x.array[:] = solid
 
-    def complete(
-        self, strain: FloatArray, respond: Respond, mean_stress: MeanStress
-    ) -> FloatArray:
+    def complete(self, strain: FloatArray, respond: Respond, mean_stress: MeanStress) -> FloatArray:
         """Return strains with ε_zz, shape (points, components); see `Thickness.complete`."""
         held = None
         if isinstance(self.follows, fem.Function):
-            held = self._points.from_cells(self.follows.x.array) == 0
+            held = self.follows.x.array == 0
             self.normal.x.array[held] = self._last[held]
         normal = normal_strain(strain, self.normal.x.array, respond, mean_stress, held)
         self.normal.x.array[:] = normal
@@ -196,7 +194,7 @@ class FreeThickness(Thickness):
         """Take back this state, and which cells were solid in it, shape (cells,)."""
         self._last = arrays["out_of_plane"].ravel().copy()
         self.normal.x.array[:] = self._last
-        self.begin(coherent)
+        self.begin(self._points.from_cells(coherent))
 
 
 def thickness(
@@ -212,7 +210,7 @@ def thickness(
     """
     melts = law.material.liquid is not None
     if points.model == "plane-stress":
-        return FreeThickness(points, cells if melts else None)
+        return FreeThickness(points, melts)
     if points.model == "generalised-plane-strain" and melts:
         return CommonThickness(points, cells, law.largest_shear_modulus(), starts_liquid)
     return Thickness()
