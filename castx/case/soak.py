@@ -56,6 +56,11 @@ class Soak:
         """Return by which share a casting freezes too early, at most, by cells of a size [m]."""
         return self.share * min(CELL_ERROR * (size / self.depth) ** 2, 1.0)
 
+    @property
+    def untold(self) -> float:
+        """Size of cells of the mould, across the interface, of which nothing is told [m]."""
+        return float(self.depth * min(TOLD / (CELL_ERROR * self.share), 1.0) ** 0.5)
+
     def text(self, size: float) -> str | None:
         """Return the error by cells of the mould at the interface, and a size; None: it is small.
 

@@ -305,7 +305,9 @@ class _Casting:
     def _coefficient(self, surface: float, face: float) -> float:
         """Return the coefficient between two surfaces [W/m²/K], as the law `series` has it."""
         gap = np.interp(-surface, -self.temperature, self.gap)
-        gas = np.interp(0.5 * (surface + face), *np.transpose(self.heat["gas_conductivity"]["table"]))
+        gas = np.interp(
+            0.5 * (surface + face), *np.transpose(self.heat["gas_conductivity"]["table"])
+        )
         factor = facing_factor(self.heat["radiation"]["emissivities"])
         conducts = 1.0 / (1.0 / self.heat["closed"] + gap / gas)
         return float(conducts) + radiates(factor, surface, face)

@@ -22,9 +22,11 @@ from castx.case.processes.plan import ShellSize, chosen, plan_of, rounded
 from castx.case.processes.process import CastingProcess, casting_process, refuse_options
 from castx.case.processes.strand import strand_plan_of
 from castx.case.reading.read import load_case
-from castx.case.skin import MOST_GROWTH, skins
+from castx.case.skin import MOST_GROWTH, millimetres, skins
+from castx.case.soak import soaks
 from castx.domain.cad.first_mesh import (
     BUDGET,
+    GROWN,
     GROWTH,
     Say,
     affordable,
@@ -44,6 +46,14 @@ MARGIN = 0.25
 """Thickness of the mould round a lone solid, in extents of the solid."""
 EDGES = 1.3
 """What edges of interfaces and the changes between sizes add to the cells of plane layers."""
+TETRAHEDRA = 6.7
+"""Cells of a mesh over those of plane layers by the root of their growth: a plate of iron, 5 mm
+thick, in sand has 6,200, 21,800 and 40,700 with 5.4, 2.5 and 1.9 mm, where these are 5,900, 24,100
+and 41,600, and 44,300 with 1.5 mm and a growth of one, where they are 43,600."""
+TALL = 1.4
+"""Height of cells of a mould across its interface over their size there, 1.29 to 1.55 there."""
+MOST_CELLS = 30_000
+"""Cells up to which a first mesh is refined for the heat that its mould takes up."""
 NEAR = 0.05
 """Share of its extent by which a mould parts beside the middle of a part, to part at a face."""
 BESIDE = 0.01
@@ -135,7 +145,9 @@ def _mould_casting(
     else:
         modulus = max(case.modulus(name) for name in case.castings)
         plan = plan_of(process, wanted.alloy, wanted.mould, modulus, shell_of(case))
-        text = process_text(case, plan, database_entry(plan.alloy).material_class)
+        of_class = database_entry(plan.alloy).material_class
+        case = with_soaked_cells(case, process_text(case, plan, of_class), say)
+        text = process_text(case, plan, of_class)
         alloy = plan.alloy
     return text, [*case.taken_for(), *case.dimensions(find_material(alloy, {}).density)]
 
@@ -320,17 +332,72 @@ def with_interface_size(case: NewCase) -> NewCase:
 
     The number of cells grows at most to `MOST_GROWTH` of what the largest size alone would make.
     """
+    foreseen = skins(load_case(parse_toml(case_text(case))), _moduli(case))
+    wanted = min((skin.proposal for skin in foreseen), default=case.size)
+    size = max(wanted, _finest(case))
+    return replace(case, interface_size=rounded(size)) if size < case.size else case
+
+
+def with_soaked_cells(case: NewCase, text: str, say: Say = _silent) -> NewCase:
+    """Return a new case with cells at interfaces that resolve the heat which a mould takes up.
+
+    Else thin castings in sand freeze far too early. Where the cells became too many, those in the
+    mould grow faster; where that does not do either, they are as fine as a first run can afford.
+
+    Args:
+        case: with sizes for the skins of its castings.
+        text: of its case file, with process and materials.
+        say: gets the reason of what changes.
+    """
+    found = list(soaks(load_case(parse_toml(text)), _moduli(case)))
+    soak = min(found, key=lambda each: each.untold, default=None)
+    if soak is None:
+        return case
+    size, now = soak.untold / TALL, case.interface_size or case.size
+    if size >= now:
+        return case
+    why = f"{soak.mould} takes up the heat of freezing {millimetres(soak.depth)} deep"
+    usual = case.growth or GROWTH
+    for growth in sorted({usual, GROWN}):
+        if _cells(case, size, growth) <= MOST_CELLS:
+            say(f"cells of {millimetres(size)} at interfaces: {why}")
+            grown = case.growth if growth == usual else growth
+            return replace(case, interface_size=rounded(size), growth=grown)
+    if _cells(case, now, GROWN) >= MOST_CELLS:
+        return case
+    many = 1e3 * float(f"{_cells(case, size, GROWN) / 1e3:.1g}")
+    finest = float(brentq(lambda at: _cells(case, at, GROWN) - MOST_CELLS, size, now))
+    say(
+        f"cells of {millimetres(finest)} at interfaces, as fine as a first run can afford: {why}; "
+        f"all of it is seen by {millimetres(size)}, some {many:.0f} cells"
+    )
+    return replace(case, interface_size=rounded(finest), growth=GROWN)
+
+
+def _cells(case: NewCase, size: float, growth: float) -> float:
+    """Return about how many cells a mesh has with a size at interfaces [m]."""
+    least = sum(volume for _, volume in case.bodies) / case.size**3
+    area = 2.0 * sum(area for *_, area in case.interfaces)  # both sides
+    return TETRAHEDRA * (least + EDGES * area * _layers(case, size) / growth**0.5)
+
+
+def _layers(case: NewCase, size: float) -> float:
+    """Return cells of layers on an area that grow evenly from a size, over area and growth [1/m²].
+
+    Those that the largest size would make are left out.
+    """
+    return 0.5 * (size**-2 - case.size**-2) - (case.size - size) / case.size**3
+
+
+def _moduli(case: NewCase) -> dict[str, float]:
+    """Return volume over surface of the bodies [m]."""
     areas: dict[str, float] = defaultdict(float)
     for first, second, area in case.interfaces:
         areas[first] += area
         areas[second] += area
     for on, area in case.surfaces:
         areas[on.partition("/")[0]] += area
-    moduli = {body: v / areas[body] for body, v in case.bodies if areas[body] > 0.0}
-    foreseen = skins(load_case(parse_toml(case_text(case))), moduli)
-    wanted = min((skin.proposal for skin in foreseen), default=case.size)
-    size = max(wanted, _finest(case))
-    return replace(case, interface_size=rounded(size)) if size < case.size else case
+    return {body: v / areas[body] for body, v in case.bodies if areas[body] > 0.0}
 
 
 def _finest(case: NewCase) -> float:
@@ -340,8 +407,7 @@ def _finest(case: NewCase) -> float:
     area = 2.0 * sum(area for *_, area in case.interfaces)  # both sides
 
     def excess(size: float) -> float:
-        layers = 0.5 * (size**-2 - case.size**-2) - (case.size - size) / case.size**3
-        return EDGES * area * layers / growth - (MOST_GROWTH[3] - 1.0) * least
+        return EDGES * area * _layers(case, size) / growth - (MOST_GROWTH[3] - 1.0) * least
 
     least_size = 1e-3 * case.size
     if excess(least_size) <= 0.0:

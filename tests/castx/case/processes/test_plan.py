@@ -139,7 +139,9 @@ class Lump:
         cold = np.minimum(table, start)
         reference = metal.expansion_reference
         reference = start if reference is None else reference
-        strain = 3.0 * (expansion(cold) * (cold - reference) - expansion(start) * (start - reference))
+        strain = 3.0 * (
+            expansion(cold) * (cold - reference) - expansion(start) * (start - reference)
+        )
         strain -= metal.description.solidification_shrinkage * np.maximum(
             solid - metal.fed_until, 0.0
         )
