@@ -3,7 +3,8 @@
 Times are estimates for a first run. A casting of the modulus M = V/A and the mean temperature T,
 whose section has the profile of even cooling, a parabola, gives up, per area of its surface,
 
-    q = (T − T_s) 3 k/M = h (T_s − T_m),    h = 1/(1/closed + g/k_gas) + σ (T_s⁴ − T_m⁴)/(T_s − T_m)/E
+    q = (T − T_s) 3 k/M = h (T_s − T_m),
+    h = 1/(1/closed + g/k_gas) + σ (T_s⁴ − T_m⁴)/((T_s − T_m) E)
 
 by its surface T_s to that of the mould T_m, with E = 1/ε₁ + 1/ε₂ − 1. The gap between them is
 

@@ -33,6 +33,7 @@ from castx.domain.mesh import build_mesh
 from castx.domain.pairs.pairing import case_pairs
 from castx.domain.source import named_mesh
 from castx.errors import CaseError, MeshError
+from castx.input.toml_text import parse_toml
 from castx.meshes.cad.description import CadFile, CadPart
 from tests.cad_files import two_blocks, write_cad
 
@@ -140,7 +141,8 @@ def cells_foreseen(case, growth):
 def test_sand_that_takes_the_heat_of_a_thin_casting_has_cells_for_it():
     """Cells of 6 mm would let it freeze two thirds too early."""
     told = []
-    case = with_soaked_cells(plain := plate_in_sand(0.04, 0.004, 0.01), of_iron(plain), told.append)
+    plain = plate_in_sand(0.04, 0.004, 0.01)
+    case = with_soaked_cells(plain, of_iron(plain), told.append)
     assert case == replace(plain, interface_size=case.interface_size, growth=case.growth)
     (soak,) = soaks(load_case(parse_toml(of_iron(case))), {"plate": case.modulus("plate")})
     assert soak.error(1.4 * plain.interface_size) > 0.5
