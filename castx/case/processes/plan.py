@@ -273,7 +273,7 @@ class _Casting:
         """Return a casting of a modulus [m] down to its coldest temperature [°C]."""
         metal = of.metal
         assert metal.solidus is not None and metal.description.conductivity is not None
-        temperature = np.linspace(of.pouring, coldest, POINTS)
+        temperature: FloatArray = np.linspace(of.pouring, coldest, POINTS, dtype=np.float64)
         enthalpy = metal.enthalpy.enthalpy(temperature)
         free = StressFreeState.at_start(metal, of.pouring, of.pouring)
         strain = free.strain(metal, temperature, metal.solid_fraction_at(temperature))

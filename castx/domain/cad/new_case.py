@@ -378,7 +378,7 @@ def _cells(case: NewCase, size: float, growth: float) -> float:
     """Return about how many cells a mesh has with a size at interfaces [m]."""
     least = sum(volume for _, volume in case.bodies) / case.size**3
     area = 2.0 * sum(area for *_, area in case.interfaces)  # both sides
-    return TETRAHEDRA * (least + EDGES * area * _layers(case, size) / growth**0.5)
+    return float(TETRAHEDRA * (least + EDGES * area * _layers(case, size) / growth**0.5))
 
 
 def _layers(case: NewCase, size: float) -> float:
