@@ -20,7 +20,7 @@ mould grows is left out.
 The mould takes the heat in layers of its thickness, across which its area grows evenly to that of
 its outside, and loses it there by its coefficient and radiation. One that is thick is Chvorinov's,
 t = (π/4) (M ΔH/(b ΔT))² with the effusivity b = √(k ρ c), see `castx.foundry.modulus`. Runs of
-seventeen coarse castings in sand, dies and shells froze in 0.9 to 1.6 times the time foretold, and
+sixteen coarse castings in sand, dies and shells froze in 0.8 to 1.6 times the time foretold, and
 a plate of zinc 2 mm thick, whose rims have the gap, in 0.56.
 In air t = M ρc ln((T − T_a)/(T_cold − T_a))/h.
 """

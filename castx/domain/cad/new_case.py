@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 import os
-from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from scipy.optimize import brentq
 
 from castx.case.cad.geometry import SUFFIXES, is_cad_file
 from castx.case.cad.mould import AXES, plane
@@ -21,39 +19,24 @@ from castx.case.cad.template import MOULD, PLUG, NewCase, case_text
 from castx.case.processes.plan import ShellSize, chosen, plan_of, rounded
 from castx.case.processes.process import CastingProcess, casting_process, refuse_options
 from castx.case.processes.strand import strand_plan_of
-from castx.case.reading.read import load_case
-from castx.case.skin import MOST_GROWTH, millimetres, skins
-from castx.case.soak import soaks
 from castx.domain.cad.first_mesh import (
     BUDGET,
-    GROWN,
-    GROWTH,
     Say,
     affordable,
     as_case,
     part_as_it_comes,
     survey,
 )
+from castx.domain.cad.first_sizes import with_interface_size, with_soaked_cells
 from castx.domain.cad.guarded import seen_apart
 from castx.domain.cad.strand import new_slice
 from castx.errors import CaseError, MeshError
-from castx.input.toml_text import parse_toml
 from castx.materials.database import database_entry
 from castx.materials.lookup import find_material
 from castx.meshes.cad.description import Box, Mould
 
 MARGIN = 0.25
 """Thickness of the mould round a lone solid, in extents of the solid."""
-EDGES = 1.3
-"""What edges of interfaces and the changes between sizes add to the cells of plane layers."""
-TETRAHEDRA = 6.7
-"""Cells of a mesh over those of plane layers by the root of their growth: a plate of iron, 5 mm
-thick, in sand has 6,200, 21,800 and 40,700 with 5.4, 2.5 and 1.9 mm, where these are 5,900, 24,100
-and 41,600, and 44,300 with 1.5 mm and a growth of one, where they are 43,600."""
-TALL = 1.4
-"""Height of cells of a mould across its interface over their size there, 1.29 to 1.55 there."""
-MOST_CELLS = 30_000
-"""Cells up to which a first mesh is refined for the heat that its mould takes up."""
 NEAR = 0.05
 """Share of its extent by which a mould parts beside the middle of a part, to part at a face."""
 BESIDE = 0.01
@@ -325,91 +308,3 @@ def _plane(wanted: str, box: Box) -> tuple[int, float]:
             f"{1e3 * low:.5g} to {1e3 * high:.5g} mm; lengths without a unit are metres"
         )
     return number, given
-
-
-def with_interface_size(case: NewCase) -> NewCase:
-    """Return a new case with cells that resolve its skins, if they have to be finer for that.
-
-    The number of cells grows at most to `MOST_GROWTH` of what the largest size alone would make.
-    """
-    foreseen = skins(load_case(parse_toml(case_text(case))), _moduli(case))
-    wanted = min((skin.proposal for skin in foreseen), default=case.size)
-    size = max(wanted, _finest(case))
-    return replace(case, interface_size=rounded(size)) if size < case.size else case
-
-
-def with_soaked_cells(case: NewCase, text: str, say: Say = _silent) -> NewCase:
-    """Return a new case with cells at interfaces that resolve the heat which a mould takes up.
-
-    Else thin castings in sand freeze far too early. Where the cells became too many, those in the
-    mould grow faster; where that does not do either, they are as fine as a first run can afford.
-
-    Args:
-        case: with sizes for the skins of its castings.
-        text: of its case file, with process and materials.
-        say: gets the reason of what changes.
-    """
-    found = list(soaks(load_case(parse_toml(text)), _moduli(case)))
-    soak = min(found, key=lambda each: each.untold, default=None)
-    if soak is None:
-        return case
-    size, now = soak.untold / TALL, case.interface_size or case.size
-    if size >= now:
-        return case
-    why = f"{soak.mould} takes up the heat of freezing {millimetres(soak.depth)} deep"
-    usual = case.growth or GROWTH
-    for growth in sorted({usual, GROWN}):
-        if _cells(case, size, growth) <= MOST_CELLS:
-            say(f"cells of {millimetres(size)} at interfaces: {why}")
-            grown = case.growth if growth == usual else growth
-            return replace(case, interface_size=rounded(size), growth=grown)
-    if _cells(case, now, GROWN) >= MOST_CELLS:
-        return case
-    many = 1e3 * float(f"{_cells(case, size, GROWN) / 1e3:.1g}")
-    finest = float(brentq(lambda at: _cells(case, at, GROWN) - MOST_CELLS, size, now))
-    say(
-        f"cells of {millimetres(finest)} at interfaces, as fine as a first run can afford: {why}; "
-        f"all of it is seen by {millimetres(size)}, some {many:.0f} cells"
-    )
-    return replace(case, interface_size=rounded(finest), growth=GROWN)
-
-
-def _cells(case: NewCase, size: float, growth: float) -> float:
-    """Return about how many cells a mesh has with a size at interfaces [m]."""
-    least = sum(volume for _, volume in case.bodies) / case.size**3
-    area = 2.0 * sum(area for *_, area in case.interfaces)  # both sides
-    return float(TETRAHEDRA * (least + EDGES * area * _layers(case, size) / growth**0.5))
-
-
-def _layers(case: NewCase, size: float) -> float:
-    """Return cells of layers on an area that grow evenly from a size, over area and growth [1/m²].
-
-    Those that the largest size would make are left out.
-    """
-    return 0.5 * (size**-2 - case.size**-2) - (case.size - size) / case.size**3
-
-
-def _moduli(case: NewCase) -> dict[str, float]:
-    """Return volume over surface of the bodies [m]."""
-    areas: dict[str, float] = defaultdict(float)
-    for first, second, area in case.interfaces:
-        areas[first] += area
-        areas[second] += area
-    for on, area in case.surfaces:
-        areas[on.partition("/")[0]] += area
-    return {body: v / areas[body] for body, v in case.bodies if areas[body] > 0.0}
-
-
-def _finest(case: NewCase) -> float:
-    """Return the size at interfaces with which a mesh has as many cells as it may [m]."""
-    growth = case.growth or GROWTH
-    least = sum(volume for _, volume in case.bodies) / case.size**3
-    area = 2.0 * sum(area for *_, area in case.interfaces)  # both sides
-
-    def excess(size: float) -> float:
-        return EDGES * area * _layers(case, size) / growth - (MOST_GROWTH[3] - 1.0) * least
-
-    least_size = 1e-3 * case.size
-    if excess(least_size) <= 0.0:
-        return least_size
-    return float(brentq(excess, least_size, case.size, xtol=1e-3 * case.size))
