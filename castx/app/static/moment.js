@@ -71,16 +71,23 @@ castx.moments = (() => {
     }
   };
 
+  const late = () => {
+    if (state.time !== null) at("moment-state").textContent = `t = ${castx.text(state.time)} s; a later moment cannot be read yet`;
+  };
+
   // Draw anew when a run has gone on; what cannot be read yet is read later.
   const follow = (results, version, ended) => {
     if (results !== state.results) {
-      Object.assign(state, { results, version: 0, bodies: [] });
+      Object.assign(state, { results, version: 0, bodies: [], time: null });
       at("moment").hidden = true;
     }
     const due = Date.now() - state.drawn > EVERY || ended;
     if (!version || version === state.version || !due || state.busy || at("run").hidden) return;
     state.drawn = Date.now();
-    draw().then(() => { if (results === state.results) state.version = version; }, () => {});
+    draw().then(
+      () => { if (results === state.results) state.version = version; },
+      () => { if (results === state.results) late(); },
+    );
   };
 
   at("do-moment").addEventListener("click", () => castx.trying(draw));

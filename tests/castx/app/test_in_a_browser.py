@@ -105,13 +105,16 @@ def test_a_run_shows_its_last_moment_and_curves(opened):
     browser.value(f"void ({state}.busy = true, {follow}, {state}.busy = false)")
     assert browser.value(f"{state}.version") != "later"
     browser.value(
-        f"void (castx.ask = castx.server.ask, {state}.time = null,"
+        f"void (castx.ask = castx.server.ask, {state}.time = 0.5,"
         " castx.server.ask = async () => { throw new Error('half written'); }, "
         f"{follow}, castx.server.ask = castx.ask)"
     )
     browser.wait_for(f"!{state}.busy")
     assert browser.value(f"{state}.version") != "later"
+    said = "castx.at('moment-state').textContent"
+    browser.wait_for(f"{said} === 't = 0.5 s; a later moment cannot be read yet'")
     browser.wait_for(f"({follow}, {state}.time === 1)")
+    browser.wait_for(f"{said} === 't = 1 s'")
     assert browser.value("castx.at('curves').querySelectorAll('canvas').length") > 0
     assert "temperature" in browser.value(
         "[...castx.at('moment-field').options].map((o) => o.value)"
