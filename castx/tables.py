@@ -75,6 +75,32 @@ class Table:
         values = self(points)
         return float(np.diff(points) @ (values[1:] + values[:-1])) / (2.0 * (end - start))
 
+    def corners(self, share: float) -> FloatArray:
+        """Return the arguments between which straight lines give the table, the ends included.
+
+        Args:
+            share: part of the range of the values by which the lines may miss them (D. H. Douglas
+                and T. K. Peucker, Cartographica 10 (1973)).
+
+        Returns:
+            Arguments in ascending order; none of a constant.
+        """
+        if self.is_constant:
+            return np.zeros(0)
+        allowed = share * float(np.ptp(self.values))
+        kept, parts = {0, len(self.values) - 1}, [(0, len(self.values) - 1)]
+        while parts:
+            first, last = parts.pop()
+            ends = [first, last]
+            inside = slice(first, last + 1)
+            line = np.interp(self.arguments[inside], self.arguments[ends], self.values[ends])
+            off = np.abs(self.values[inside] - line)
+            worst = first + int(np.argmax(off))
+            if off.max() > allowed:
+                kept.add(worst)
+                parts += [(first, worst), (worst, last)]
+        return np.asarray(self.arguments[sorted(kept)])
+
     def derivative(self, argument: Any) -> FloatArray:
         """Return the slopes at arguments, zero outside; at a point the slope above."""
         slopes = np.concatenate(([0.0], np.diff(self.values) / np.diff(self.arguments), [0.0]))

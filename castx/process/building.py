@@ -29,6 +29,7 @@ from castx.errors import CaseError
 from castx.heat.building import initial_state, run_accounts
 from castx.input.problems import among
 from castx.process.cycles import CycleEnds
+from castx.process.load_corners import load_corners, stops_of
 from castx.process.plausible import refuse_absurd_displacements
 from castx.process.process import Cycling, Process, StageProblem
 from castx.process.stage_case import stage_case
@@ -150,7 +151,7 @@ def first_change(time: Time) -> float:
 
 
 def step_settings(case: Case, fastest: float = math.inf) -> StepSettings:
-    """Return the settings of the step control of a case; steps end at stages.
+    """Return the settings of the step control of a case; steps end at stages and corners of loads.
 
     Args:
         case: the case.
@@ -161,6 +162,7 @@ def step_settings(case: Case, fastest: float = math.inf) -> StepSettings:
     first = float(f"{max(min(time.usual_first_step, fastest), SHORTEST * schedule.end):.2g}")
     first = first if time.first_step is None else time.first_step
     smallest = SMALLEST * first if time.smallest_step is None else time.smallest_step
+    corners = load_corners(case, schedule) if time.fixed_step is None else ()
     return StepSettings(
         schedule.end,
         first,
@@ -168,7 +170,7 @@ def step_settings(case: Case, fastest: float = math.inf) -> StepSettings:
         min(smallest, first),
         time.wanted("temperature_change"),
         time.fixed_step,
-        schedule.stops,
+        stops_of(schedule.stops, corners, smallest),
         time.wanted("solid_fraction_change"),
         time.wanted("skin_change"),
         time.reject_above,

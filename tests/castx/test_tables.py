@@ -64,6 +64,20 @@ def test_refused(arguments, values, text):
         Table(np.array(arguments), np.array(values))
 
 
+@pytest.mark.parametrize(
+    "points, expected",
+    [
+        ([[0, 3], [5, 3], [9, 3]], []),
+        ([[0, 0], [1, 1], [2, 2]], [0, 2]),
+        ([[0, 0], [40, 0], [40.5, 9], [41, 0]], [0, 40, 40.5, 41]),
+        ([[0, 0], [1, 1.05], [2, 2], [3, 5], [4, 8.1], [5, 11]], [0, 2, 5]),
+    ],
+)
+def test_corners_are_where_straight_lines_would_miss_the_table(points, expected):
+    """By more than 2 % of its range, here."""
+    assert Table.from_points(points).corners(0.02).tolist() == expected
+
+
 def test_rows_have_two_numbers():
     with pytest.raises(CaseError, match="rows of two numbers"):
         Table.from_points([[0.0, 1.0, 2.0]])
