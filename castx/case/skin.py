@@ -19,7 +19,10 @@ dimensions with equal steps, against cells of 0.3 to 0.6 mm:
 - the same of G20Mn5, h = 1000 W/m²/K, in copper (δ = 6.5 mm) has a gap 9 and 2 % narrower, 5 % off
   at 10 s with 2.5 mm;
 - a plate of 20 × 60 mm of pure aluminium, h = 4000 W/m²/K, in steel (δ = 6.5 mm) has a gap at 10 s
-  that is 14, 6 and 2 % narrower with cells of 5, 2.5 and 1.25 mm.
+  that is 14, 6 and 2 % narrower with cells of 5, 2.5 and 1.25 mm;
+- a cylinder R18 × 30 mm of ZnAl4Cu1, h = 4000 W/m²/K, in a steel cup (δ = 2.3 mm), in default
+  steps, freezes 33 and 17 % too early with cells of 3 and 1.5 mm, and its gap at 30 s is 28 %
+  narrower with 3 mm.
 
 `GAP_ERROR` and `TIME_ERROR` bound these numbers; in the moment in which a gap opens errors are
 larger.
@@ -45,10 +48,10 @@ from castx.transfer.pair_state import PairState
 
 GAP_ERROR = 0.25
 """Largest error of an early gap once it is wide, over size of the cells/δ."""
-TIME_ERROR = 0.2
+TIME_ERROR = 0.3
 """Largest error of the freezing time, over size of the cells/δ."""
 CELLS = 10.0
-"""Cells of the proposed size across δ: 2.5 % of the gap, 2 % of the freezing time."""
+"""Cells of the proposed size across δ: 2.5 % of the gap, 3 % of the freezing time."""
 MOST_GROWTH = {2: 6.0, 3: 2.0}
 """Bound of the growth of the number of cells by a size that castx chooses, by dimension."""
 _GAPS = np.geomspace(1e-7, 1e-2, 501)
@@ -73,6 +76,10 @@ class Skin:
         """Size of cells at the interface that resolves the skin, with two digits [m]."""
         return float(f"{self.thickness / CELLS:.2g}")
 
+    def error(self, size: float) -> float:
+        """Return the share by which the freezing time may be off by cells of a size [m]."""
+        return TIME_ERROR * size / self.thickness
+
     def text(self, size: float) -> str:
         """Return the error by cells of a size at the interface, and the size proposed.
 
@@ -87,17 +94,14 @@ class Skin:
             return f"{skin}: fine enough, early gaps within {percent(self._gap_error(size))}"
         return (
             f"{skin}: early gaps up to {percent(self._gap_error(size))} off, freezing time up to "
-            f"{percent(self._time_error(size))} (estimates); interface_size = "
+            f"{percent(self.error(size))} (estimates); interface_size = "
             f'"{millimetres(self.proposal)}" would reduce this to '
             f"{percent(self._gap_error(self.proposal))} and "
-            f"{percent(self._time_error(self.proposal))}"
+            f"{percent(self.error(self.proposal))}"
         )
 
     def _gap_error(self, size: float) -> float:
         return GAP_ERROR * size / self.thickness
-
-    def _time_error(self, size: float) -> float:
-        return TIME_ERROR * size / self.thickness
 
 
 def skins(case: Case, moduli: Mapping[str, float]) -> list[Skin]:

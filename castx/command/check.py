@@ -21,11 +21,11 @@ from castx.case.feeding import feeding_texts
 from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
-from castx.case.skin import skins
 from castx.case.soak import Soak, soaks
 from castx.case.unusual import unusual
 from castx.command.cad_report import show_cad
 from castx.command.watches.ranges import material_remarks, material_warnings
+from castx.command.watches.skins import skin_errors
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import formulation_of, laws_above_solidus
 from castx.coupling.loose_parts import loose_parts
@@ -207,11 +207,7 @@ def skin_texts(case: Case, summary: MeshSummary) -> Iterator[str]:
 
     They lie in the skin of a casting that carries a gap, and in what takes up its heat.
     """
-    for skin in skins(case, summary.moduli):
-        other = next(name for name in skin.interface.split("/") if name != skin.casting)
-        height = summary.height(skin.casting, other)
-        if height:
-            yield skin.text(height)
+    yield from (text for _, text in skin_errors(case, summary))
     for soak, size in _soaks(case, summary):
         text = soak.text(size)
         if text is not None:

@@ -21,6 +21,7 @@ from castx.command.watches.deformations import DeformationWatch
 from castx.command.watches.forces import ForceWatch
 from castx.command.watches.interruption import Interruption
 from castx.command.watches.ranges import RangeWatch
+from castx.command.watches.skins import tell_of_skins
 from castx.command.watches.temperatures import TemperatureWatch
 from castx.process.simulation import Simulation
 from castx.profiling import Profile
@@ -145,6 +146,7 @@ def run_case(case: Case, settings: RunSettings) -> Path:
         simulation = Simulation.from_case(case, comm)
         for doubt in unusual(case) if comm.rank == 0 else ():
             _log.warning(doubt)
+        tell_of_skins(case, simulation.mesh)
         results = ResultsWriter(case, simulation.mesh, simulation.pairs)
         checkpoints = Checkpoints(checkpoint, case, simulation, results)
         if header is not None:

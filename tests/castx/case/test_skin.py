@@ -85,8 +85,9 @@ def test_the_text_says_what_cells_make_of_the_gap():
     assert skin.proposal == pytest.approx(0.0016 / CELLS)
     coarse, fine = skin.text(8e-4), skin.text(1.6e-4)
     assert "cells of 0.8 mm in the skin of casting, 1.6 mm thick, that would" in coarse
-    assert "up to 12 % off, freezing time up to 10 %" in coarse
-    assert 'interface_size = "0.16 mm" would reduce this to 2 % and 2 %' in coarse
+    assert "up to 12 % off, freezing time up to 15 %" in coarse
+    assert skin.error(8e-4) == pytest.approx(0.15)
+    assert 'interface_size = "0.16 mm" would reduce this to 2 % and 3 %' in coarse
     assert fine.endswith("fine enough, early gaps within 2 %")
 
 
