@@ -21,7 +21,7 @@ from castx.errors import CaseError
 from castx.heat.boundaries import SurfaceHeat
 from castx.heat.field_files import temperatures_at
 from castx.heat.interface import HeatExchange
-from castx.heat.ledger import Account, Accounts, accounts_of, joined_accounts
+from castx.heat.ledger import Account, Accounts, accounts_of, divided_places, joined_accounts
 from castx.input.problems import among
 from castx.input.units import ABSOLUTE_ZERO
 from castx.transfer.conductance import ConductionLaw
@@ -62,15 +62,17 @@ def run_accounts(case: Case, stages: Sequence[Case]) -> Accounts:
         stages: what it asks for during each stage.
     """
     bodies = [body.name for body in case.bodies]
+    divided = divided_places([surface_heats(stage, bodies) for stage in stages])
     renewed = case.stages[-1].renew if case.stages else ()
-    parts = [_accounts(stage, bodies) for stage in stages]
-    return joined_accounts(bodies, [*parts, [Account.renewal(name) for name in renewed]])
+    parts = [_accounts(stage, bodies, divided) for stage in stages]
+    renewals = [Account.renewal(name) for name in renewed]
+    return joined_accounts(bodies, [*parts, renewals], divided)
 
 
-def _accounts(case: Case, bodies: Collection[str]) -> list[Account]:
+def _accounts(case: Case, bodies: Collection[str], divided: Collection[str]) -> list[Account]:
     names = [body.name for body in case.bodies]
     between = [(interface.secondary, interface.primary) for interface in case.interfaces]
-    return accounts_of(names, surface_heats(case, bodies), between)
+    return accounts_of(names, surface_heats(case, bodies), between, divided)
 
 
 def heat_exchange(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from mpi4py import MPI
@@ -70,22 +71,51 @@ class Accounts:
     Attributes:
         bodies: all bodies.
         entries: the accounts, each once.
+        divided: places of surfaces whose heat every stage books by type.
     """
 
     bodies: tuple[str, ...]
     entries: tuple[Account, ...]
+    divided: frozenset[str] = frozenset()
 
 
-def joined_accounts(bodies: Sequence[str], parts: Iterable[Iterable[Account]]) -> Accounts:
+def joined_accounts(
+    bodies: Sequence[str],
+    parts: Iterable[Iterable[Account]],
+    divided: frozenset[str] = frozenset(),
+) -> Accounts:
     """Return the accounts of several stages, each once."""
     found = dict.fromkeys(account for part in parts for account in part)
-    return Accounts(tuple(bodies), tuple(found))
+    return Accounts(tuple(bodies), tuple(found), divided)
+
+
+def divided_places(stages: Iterable[Sequence[SurfaceHeat]]) -> frozenset[str]:
+    """Return the places of surfaces with several conditions at once, or one type after another.
+
+    Every stage books their heat by type, so that the parts add up to the whole.
+
+    Args:
+        stages: the heat conditions of each stage.
+    """
+    found, types = set[str](), defaultdict[str, set[str]](set)
+    for surfaces in stages:
+        passing = [surface for surface in surfaces if _passes_heat(surface)]
+        places = [surface.place for surface in passing]
+        found |= {place for place in places if places.count(place) > 1}
+        for surface in passing:
+            types[surface.place].add(surface.condition.type)
+    return frozenset(found | {place for place, own in types.items() if len(own) > 1})
+
+
+def _passes_heat(surface: SurfaceHeat) -> bool:
+    return surface.gives_flux or surface.gives_temperature
 
 
 def accounts_of(
     bodies: Sequence[str],
     surfaces: Sequence[SurfaceHeat],
     interfaces: Sequence[tuple[str, str]],
+    divided: Collection[str],
 ) -> list[Account]:
     """Return the accounts of a heat problem in the order of its flows.
 
@@ -93,14 +123,14 @@ def accounts_of(
         bodies: of the problem.
         surfaces: its heat conditions.
         interfaces: secondary and primary bodies that exchange heat.
+        divided: places of surfaces whose heat is booked by type.
     """
     accounts = [Account.source(name) for name in bodies]
     accounts += [Account.dissipation(name) for name in bodies]
     ordered = [surface for surface in surfaces if surface.gives_flux]
     ordered += [surface for surface in surfaces if surface.gives_temperature]
-    places = [surface.place for surface in ordered]
     for surface in ordered:
-        mechanism = surface.condition.type if places.count(surface.place) > 1 else ""
+        mechanism = surface.condition.type if surface.place in divided else ""
         accounts.append(Account.through(surface.place, mechanism, surface.body))
     for secondary, primary in interfaces:
         place = f"{secondary}/{primary}"

@@ -16,7 +16,7 @@ from castx.heat.balance import HeatBalance
 from castx.heat.body import HeatBody, ThermalBody
 from castx.heat.boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
 from castx.heat.interface import HeatExchange, coefficients
-from castx.heat.ledger import Accounts, HeatBooks, accounts_of
+from castx.heat.ledger import Accounts, HeatBooks, accounts_of, divided_places
 from castx.heat.newton import PREFIX, adjust_step, converged, default_options, jacobian, residual
 from castx.heat.pace import time_to_change
 from castx.heat.step_error import HeatError, HeatStepError, TriedStep
@@ -113,7 +113,8 @@ class HeatProblem:
         self._error = HeatStepError(self._balance, self._solver.solve_linear)
         self._unknown = self._layout.create_vector()
         interfaces = [(item.pairs.secondary, item.pairs.primary) for item in exchanges]
-        own = accounts_of(list(self.temperature), surfaces, interfaces)
+        divided = divided_places([surfaces]) if accounts is None else accounts.divided
+        own = accounts_of(list(self.temperature), surfaces, interfaces, divided)
         self._books = HeatBooks(mesh.comm, self._bodies, own, accounts)
         self._ledger = self._books.ledger
         self.begin_stage()

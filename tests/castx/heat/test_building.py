@@ -212,6 +212,29 @@ def test_accounts_of_a_run_are_those_of_its_stages_each_once():
     assert len(alone.entries) == len(accounts.entries) - 1
 
 
+CONVECTION = {"type": "convection", "coefficient": 10, "ambient": 20}
+RADIATION_TO_AIR = {"type": "radiation", "emissivity": 0.5, "ambient": 20}
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("stages", "types"),
+    [
+        ([[CONVECTION, RADIATION_TO_AIR], CONVECTION], ["convection", "radiation"]),
+        ([CONVECTION, {"type": "insulated"}, RADIATION_TO_AIR], ["convection", "radiation"]),
+        ([CONVECTION, [CONVECTION, CONVECTION]], ["convection"]),
+        ([CONVECTION, {"type": "insulated"}, CONVECTION], []),
+    ],
+)
+def test_all_stages_book_by_type_what_one_of_them_or_the_run_has_of_several(stages, types):
+    cases = [described(heat) for heat in stages]
+    found = run_accounts(cases[0], cases)
+    names = [account.energy for account in found.entries if account.to == "mould"]
+    outside = sorted(each for each in names if each[0] == "mould/outside.heat")
+    whole = "mould/outside.heat"
+    assert outside == ([(whole, f"{whole}.{one}") for one in types] or [(whole,)])
+
+
 @pytest.mark.ranks
 def test_initial_temperatures_of_the_owned_nodes(comm):
     mesh = cylinder(comm, size=8e-3)

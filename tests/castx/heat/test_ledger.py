@@ -159,7 +159,7 @@ class StoringBody:
 def test_a_stage_begins_with_renewed_bodies_and_heat_that_evens_out():
     """A new casting brings 60 J more than the old one kept; perfect contact passes 15 J at once."""
     bodies: Any = [StoringBody("casting", 40.0), StoringBody("mould", 10.0)]
-    own = accounts_of(["casting", "mould"], [], [("casting", "mould")])
+    own = accounts_of(["casting", "mould"], [], [("casting", "mould")], ())
     run = joined_accounts(["casting", "mould"], [own, [Account.renewal("casting")]])
     books = HeatBooks(MPI.COMM_SELF, bodies, own, run)
     bodies[0].heat = 100.0

@@ -15,6 +15,7 @@ from tests.coupled_cases import (
     cylinder,
     fields,
     final_state,
+    gone_on,
     largest_difference,
     merged,
     nodal,
@@ -23,6 +24,7 @@ from tests.coupled_cases import (
 )
 
 AIR = {"type": "convection", "coefficient": 50.0, "ambient": 20.0}
+RADIANT = {"type": "radiation", "emissivity": 0.8, "ambient": 20.0}
 OPENING = {"at": 3.0, "remove": ["mould"]}
 BARE = {**OPENING, "boundaries": [{"on": "casting/mould", "heat": AIR}]}
 FLOWING = {
@@ -118,6 +120,38 @@ def test_a_spray_cools_as_convection_does(comm, coefficient):
         np.testing.assert_array_equal(found, nodal(by_hand, "casting", "temperature"))
     dry = nodal(final_state(comm, thermal(OPENING)), "casting", "temperature")
     assert dry.min() - found.min() > (3.0 if coefficient < 1000 else 50.0)
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize(
+    ("first", "stage"),
+    [
+        ([AIR, RADIANT], {"boundaries": [{"on": "casting/wall", "heat": AIR}]}),
+        (AIR, {"boundaries": [{"on": "casting/wall", "heat": [AIR, RADIANT]}]}),
+        ([AIR, RADIANT], {"spray": {"coefficient": 2e3, "ambient": 20.0, "on": ["casting/wall"]}}),
+        (RADIANT, {"spray": {"coefficient": 2e3, "ambient": 20.0, "on": ["casting/wall"]}}),
+    ],
+)
+def test_heat_by_type_adds_up_to_that_of_a_surface_in_all_stages(comm, first, stage):
+    """Whatever the stages change, and in a run that goes on from the middle too."""
+    data = {
+        "geometry": {
+            "generator": "slab", "model": "plane-strain",
+            "length": 0.01, "width": 0.01, "size": 5e-3,
+        },
+        "bodies": [{"name": "casting", "material": "steel-H13", "temperature": 500.0}],
+        "boundaries": [{"on": "casting/wall", "heat": first}],
+        "coupling": {"scheme": "thermal"},
+        "time": {"end": 40.0, "fixed_step": 10.0},
+        "stages": [{"at": 20.0, **stage}],
+    }  # fmt: skip
+    found, restored = gone_on(comm, data)
+    assert len({tuple(totals) for totals in found}) == 1
+    assert restored == pytest.approx(found[-1], rel=1e-9, abs=1e-9)
+    for totals in found[1:]:
+        for name in ("casting/wall.heat", "casting/wall.power"):
+            parts = [totals[f"{name}.{one}"] for one in ("convection", "radiation")]
+            assert totals[name] < 0.0 and sum(parts) == pytest.approx(totals[name], rel=1e-12)
 
 
 @pytest.mark.parametrize("gravity", [pytest.param(0.0, marks=pytest.mark.serial), 9.81])
