@@ -32,6 +32,9 @@ BELOW = 0.01
 """By what rounding may lie below absolute zero [K]."""
 BEYOND = 0.01
 """By which share of the temperatures of a case a body may be beyond all of them, untold."""
+LEAST_BEYOND = 1.0
+"""The least that a body may be beyond them [K]: heat of plastic work is less, and rounding is far
+less, whereas a case of one temperature has no share of its temperatures to go by."""
 
 
 class TemperatureWatch:
@@ -49,7 +52,7 @@ class TemperatureWatch:
         if all(body.temperature.bounds is not None for body in case.bodies):
             self._bounds = coldest_possible(case), hottest_possible(case)
         low, high = temperature_range(case)
-        self._margin = BEYOND * (high - low)
+        self._margin = max(LEAST_BEYOND, BEYOND * (high - low))
 
     def check(self, snapshot: Snapshot) -> None:
         """Look at the totals after an accepted step, which are the same on all ranks.

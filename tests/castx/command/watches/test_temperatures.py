@@ -10,6 +10,7 @@ from castx.command.watches.temperatures import TemperatureWatch
 from castx.errors import ConvergenceError
 
 CASE = load_case("demos/cylinder.toml")
+ONE_TEMPERATURE = ["bodies.0.temperature=200", "bodies.1.temperature=200", "boundaries=[]"]
 
 
 def state(**totals):
@@ -69,6 +70,19 @@ def test_a_body_hotter_than_all_that_the_case_has_is_told_once(comm, caplog):
     hot, cold = sorted(caplog.messages)
     assert "casting is at 674.8 °C, hotter than all that the case has, 670 °C: its cells" in hot
     assert "mould is at 195 °C, colder than all" in cold
+
+
+@pytest.mark.serial
+def test_rounding_and_plastic_work_are_not_told_in_a_case_of_one_temperature(comm, caplog):
+    """All of it is at 200 °C: a kelvin either way is let pass."""
+    watch = TemperatureWatch(load_case("demos/cylinder.toml", ONE_TEMPERATURE), comm)
+    watch.check(state(casting__min_temperature=200.0 - 1e-12, mould__max_temperature=200.003))
+    watch.check(state(casting__min_temperature=199.1, mould__max_temperature=200.9))
+    assert caplog.messages == []
+    watch.check(state(casting__min_temperature=198.9, mould__max_temperature=201.1))
+    cold, hot = caplog.messages
+    assert "casting is at 198.9 °C, colder than all that the case has, 200 °C: its cells" in cold
+    assert "mould is at 201.1 °C, hotter than all that the case has, 200 °C: its cells" in hot
 
 
 @pytest.mark.serial
