@@ -50,8 +50,9 @@ USUAL: Mapping[str, UsualRange] = {
     "yield_stress": UsualRange(1e4, 1e10, "Pa", {"MPa": 1e6}),
     "solidification_shrinkage": UsualRange(-0.15, 0.15, "1", {}),
 }
-METALLIC = UsualRange(2.0, 5e3, "W/m/K", {"W/mm/K": 1e3})
-"""Conductivities of what melts."""
+MELTING = UsualRange(0.5, 5e3, "W/m/K", {"W/mm/K": 1e3})
+"""Conductivities of what melts: metals have more than 5 W/m/K, in W/mm/K less than 0.45; sand or a
+ceramic that is given a solidus lies between."""
 NEARLY_MELTING = 0.8
 """Share of the solidus in °C from which a body that starts solid may be meant to be poured."""
 
@@ -72,15 +73,16 @@ def unusual(case: Case) -> Iterator[str]:
 
 def _unusual_values(material: Material) -> Iterator[str]:
     for name, usual in USUAL.items():
+        kind = "casting or mould"
         if name == "conductivity" and material.melts:
-            usual = METALLIC
+            usual, kind = MELTING, "metal"
         values = _values(getattr(material.description, name))
         if not values or set(values) == {0.0}:  # zero means: none
             continue
         if max(values) < usual.low or min(values) > usual.high:
             shown = max(values) if max(values) < usual.low else min(values)
             yield (
-                f"{material.name}: {name} = {shown:g} is far from that of any casting or mould, "
+                f"{material.name}: {name} = {shown:g} is far from that of any {kind}, "
                 f"{usual.low:g} to {usual.high:g} {usual.unit}; plain numbers are in "
                 f"{usual.unit}{usual.question(shown)}"
             )

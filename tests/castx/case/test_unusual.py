@@ -4,7 +4,7 @@ import pytest
 
 from castx.case.reading.read import load_case
 from castx.case.unusual import USUAL, unusual
-from castx.materials.database import database_names
+from castx.materials.database import database_entry, database_names
 
 pytestmark = pytest.mark.serial
 
@@ -49,13 +49,31 @@ def test_a_property_that_no_material_has_is_told(key, value, meant):
 @pytest.mark.parametrize(
     ("key", "value"),
     [
-        ("density", "51"), ("heat_capacity", "51"), ("conductivity", "2.1"), ("latent_heat", "0"),
+        ("density", "51"), ("heat_capacity", "51"), ("conductivity", "0.51"), ("latent_heat", "0"),
         ("young_modulus", "[[20, 1.1e6], [500, 1]]"), ("expansion", "0"), ("yield_stress", "0"),
         ("expansion", "[[20, -1e-6], [500, 1e-6]]"), ("solidification_shrinkage", "-0.1"),
     ],
 )  # fmt: skip
 def test_what_some_material_has_is_not_told(key, value):
     assert of_material(key, value) == []
+
+
+SANDS = sorted(name for name in database_names() if database_entry(name).material_class == "sand")
+
+
+@pytest.mark.parametrize("name", SANDS)
+def test_sand_that_is_given_a_solidus_is_no_metal_in_another_unit(name):
+    melting = "solidus = 1600, liquidus = 1710, latent_heat = 1.5e5"
+    mine = f'{MINE}={{ extends = "{name}", {melting} }}'
+    thermal = ('coupling.scheme="thermal"', "probes=[]", 'output.fields=["temperature"]')
+    assert found(mine, 'bodies.1.material="mine"', "bodies.1.temperature=100", *thermal) == []
+
+
+def test_what_melts_is_compared_with_metals_and_other_things_with_moulds_too():
+    (text,) = of_material("conductivity", "0.16")
+    assert "0.16 is far from that of any metal, 0.5 to 5000 W/m/K; plain" in text
+    (text,) = of_material("density", "2.7")
+    assert "2.7 is far from that of any casting or mould, 50 to 25000 kg/m³; plain" in text
 
 
 @pytest.mark.parametrize("name", database_names())
