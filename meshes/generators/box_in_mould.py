@@ -133,7 +133,10 @@ GENERATOR = Generator(
     summary="A box in a mould, which may have a lid; it stands at height 0, its middle at 0.",
     models=("3d", *PLANE_MODELS),
     arguments={
-        "box": SIDES.of("[width, height, (depth)] of the casting", (0.06, 0.04, 0.05)),
+        "box": SIDES.of(
+            "[width, height, (depth)] of the casting, in x and y, in 3-D in x, z and y",
+            (0.06, 0.04, 0.05),
+        ),
         "wall": LENGTH.of("thickness of the mould", 0.02),
         "lid": YES_OR_NO.of("close the mould by a lid of the same thickness", False),
     },
