@@ -49,9 +49,9 @@ def stops_of(phases: Sequence[float], corners: Iterable[float], least: float) ->
             jumps within it does so in one step.
         least: the smallest step [s].
     """
-    kept: list[float] = []
+    kept, begins = list[float](), set(phases)
     for time in sorted({*phases, *corners}, reverse=True):
-        if time in phases or not kept or kept[-1] - time > least:
+        if time in begins or not kept or kept[-1] - time > least:
             kept.append(time)
     return tuple(reversed(kept))
 

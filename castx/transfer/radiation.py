@@ -28,6 +28,19 @@ def emission(temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
     return STEFAN_BOLTZMANN * absolute * cube, 4.0 * STEFAN_BOLTZMANN * cube
 
 
+def radiation_coefficient(first: float, second: float) -> float:
+    """Return the coefficient σ (T₁² + T₂²) (T₁ + T₂) between black surfaces [W/m²/K], T absolute.
+
+    It is the difference of `emission` over that of the temperatures, where these are equal too.
+
+    Args:
+        first: temperature of one surface [°C].
+        second: of the other.
+    """
+    a, b = first - ABSOLUTE_ZERO, second - ABSOLUTE_ZERO
+    return STEFAN_BOLTZMANN * (a * a + b * b) * (a + b)
+
+
 def facing_factor(emissivities: Sequence[float]) -> float:
     """Return the factor 1/(1/ε₁ + 1/ε₂ − 1) of radiation between two close parallel surfaces.
 

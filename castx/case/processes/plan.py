@@ -39,7 +39,6 @@ from castx.case.processes.names import process_names
 from castx.case.processes.process import CastingProcess, casting_process
 from castx.errors import CaseError
 from castx.input.problems import among
-from castx.input.units import ABSOLUTE_ZERO
 from castx.materials.database import database_entry, database_names
 from castx.materials.description import MaterialDescription
 from castx.materials.granular import GRANULAR
@@ -47,7 +46,7 @@ from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.materials.thermal_strain import StressFreeState
 from castx.transfer.database import interface_entry
-from castx.transfer.radiation import STEFAN_BOLTZMANN, facing_factor
+from castx.transfer.radiation import facing_factor, radiation_coefficient
 
 COLD = 60.0
 """Temperature at which a casting counts as cold [°C]."""
@@ -311,13 +310,7 @@ class _Casting:
         )
         factor = facing_factor(self.heat["radiation"]["emissivities"])
         conducts = 1.0 / (1.0 / self.heat["closed"] + gap / gas)
-        return float(conducts) + radiates(factor, surface, face)
-
-
-def radiates(factor: float, first: float, second: float) -> float:
-    """Return the coefficient of radiation between two temperatures [°C] of a factor [W/m²/K]."""
-    a, b = first - ABSOLUTE_ZERO, second - ABSOLUTE_ZERO
-    return factor * STEFAN_BOLTZMANN * (a * a + b * b) * (a + b)
+        return float(conducts) + factor * radiation_coefficient(surface, face)
 
 
 @dataclass(frozen=True)
@@ -345,7 +338,8 @@ class _Cooling:
 
         def rates(_: float, state: FloatArray) -> FloatArray:
             layers, outer = state[1:], float(state[-1])
-            away = radiates(numbers.get("outside_emissivity", 0.0), outer, ambient)
+            emissivity = numbers.get("outside_emissivity", 0.0)
+            away = emissivity * radiation_coefficient(outer, ambient)
             away = 1.0 / (halves[1] + 1.0 / (away + numbers["outside_coefficient"]))
             inwards = casting.flux(float(state[0]), float(layers[0]), float(halves[0]))
             leaves = outside * away * (outer - ambient)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from dataclasses import replace
 
 from scipy.optimize import brentq
@@ -76,9 +75,8 @@ def with_soaked_cells(case: NewCase, text: str, say: Say) -> NewCase:
 
 def _cells(case: NewCase, size: float, growth: float) -> float:
     """Return about how many cells a mesh has with a size at interfaces [m]."""
-    least = sum(volume for _, volume in case.bodies) / case.size**3
-    area = 2.0 * sum(area for *_, area in case.interfaces)  # both sides
-    return float(TETRAHEDRA * (least + EDGES * area * _layers(case, size) / growth**0.5))
+    fine = EDGES * _sides(case) * _layers(case, size) / growth**0.5
+    return float(TETRAHEDRA * (_coarse_cells(case) + fine))
 
 
 def _layers(case: NewCase, size: float) -> float:
@@ -91,23 +89,26 @@ def _layers(case: NewCase, size: float) -> float:
 
 def _moduli(case: NewCase) -> dict[str, float]:
     """Return volume over surface of the bodies [m]."""
-    areas: dict[str, float] = defaultdict(float)
-    for first, second, area in case.interfaces:
-        areas[first] += area
-        areas[second] += area
-    for on, area in case.surfaces:
-        areas[on.partition("/")[0]] += area
-    return {body: v / areas[body] for body, v in case.bodies if areas[body] > 0.0}
+    return {body: case.modulus(body) for body, _ in case.bodies}
+
+
+def _coarse_cells(case: NewCase) -> float:
+    """Return cells of the largest size in all bodies."""
+    return sum(volume for _, volume in case.bodies) / case.size**3
+
+
+def _sides(case: NewCase) -> float:
+    """Return the area of both sides of the interfaces [m²]."""
+    return 2.0 * sum(area for *_, area in case.interfaces)
 
 
 def _finest(case: NewCase) -> float:
     """Return the size at interfaces with which a mesh has as many cells as it may [m]."""
     growth = case.growth or GROWTH
-    least = sum(volume for _, volume in case.bodies) / case.size**3
-    area = 2.0 * sum(area for *_, area in case.interfaces)  # both sides
+    area, more = _sides(case), (MOST_GROWTH[3] - 1.0) * _coarse_cells(case)
 
     def excess(size: float) -> float:
-        return EDGES * area * _layers(case, size) / growth - (MOST_GROWTH[3] - 1.0) * least
+        return EDGES * area * _layers(case, size) / growth - more
 
     least_size = 1e-3 * case.size
     if excess(least_size) <= 0.0:

@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.transfer.radiation import STEFAN_BOLTZMANN, emission, facing_factor
+from castx.transfer.radiation import (
+    STEFAN_BOLTZMANN,
+    emission,
+    facing_factor,
+    radiation_coefficient,
+)
 
 pytestmark = pytest.mark.serial
 
@@ -23,6 +28,14 @@ def test_derivative_by_differences_also_below_absolute_zero():
     rise = (emission(temperature + step)[0] - emission(temperature - step)[0]) / (2 * step)
     np.testing.assert_allclose(emission(temperature)[1], rise, rtol=1e-7)
     assert (np.diff(emission(np.linspace(-600.0, 100.0, 50))[0]) > 0.0).all()
+
+
+def test_coefficient_is_the_difference_of_emission_over_that_of_temperatures():
+    (hot, cold), _ = emission(np.array([900.0, 20.0]))
+    assert radiation_coefficient(900.0, 20.0) == pytest.approx((hot - cold) / 880.0, rel=1e-13)
+    assert radiation_coefficient(900.0, 900.0) == pytest.approx(
+        emission(np.array([900.0]))[1].item(), rel=1e-13
+    )
 
 
 def test_factor_of_facing_surfaces():
