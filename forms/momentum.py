@@ -53,6 +53,7 @@ class PointState(NamedTuple):
         trapped: one in trapped liquid, which cannot be fed, else zero.
         trapped_pressure: pressure with which it acts [Pa], that of its whole pocket.
         plastic_volume: of grains; None: what flows keeps its volume.
+        beside: b and n of mush beside solid in the same points; None: there is none.
     """
 
     stress: Any
@@ -66,10 +67,11 @@ class PointState(NamedTuple):
     trapped: Any = 0.0
     trapped_pressure: Any = 0.0
     plastic_volume: PlasticVolume | None = None
+    beside: tuple[Any, Any] | None = None
 
 
 def tangent_stress(increment: Any, state: PointState) -> Any:
-    """Return ds = a dev(dε) + b n (n:dε) + c n ∇·du [Pa], shape (3, 3); c in grains alone.
+    """Return ds = a dev(dε) + Σ b n (n:dε) + c n ∇·du [Pa], shape (3, 3); c in grains alone.
 
     The consistent tangent of the radial return: J. C. Simo and T. J. R. Hughes, Computational
     Inelasticity (1998), section 3.3.2.
@@ -84,6 +86,9 @@ def tangent_stress(increment: Any, state: PointState) -> Any:
         change += state.radial * ufl.inner(n, increment) * n
         if state.plastic_volume is not None:
             change += state.plastic_volume.stress_by_volume * ufl.tr(increment) * n
+    if state.beside is not None:
+        radial, n = state.beside
+        change += radial * ufl.inner(n, increment) * n
     return change
 
 
@@ -106,6 +111,9 @@ def _normal_tangent(state: PointState) -> Any:
     change = 2 * state.isotropic / 3
     if state.radial is not None:
         change += state.radial * state.direction[2, 2] ** 2
+    if state.beside is not None:
+        radial, n = state.beside
+        change += radial * n[2, 2] ** 2
     return change
 
 

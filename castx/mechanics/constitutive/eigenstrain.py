@@ -44,10 +44,12 @@ class Eigenstrain(NamedTuple):
     Attributes:
         volume: de^θ, shape (volumes,).
         shape: de^c, deviatoric, shape (points, components).
+        front: 1 − 3 n ⊗ n, zero where no solid contracts unevenly, likewise.
     """
 
     volume: FloatArray
     shape: FloatArray
+    front: FloatArray
 
 
 def eigenstrain(
@@ -64,15 +66,13 @@ def eigenstrain(
         growth: of its solid in the step.
         temperature: of the nodes at the end of the step [°C], shape (nodes,).
     """
-    along, shape = growth.along(places), np.zeros((points.count, points.components))
+    along, front = growth.along(places), np.zeros((points.count, points.components))
     excess = along - growth.across(places)
     uneven = np.abs(excess) > ROUNDING
     if points.summed(np.array([np.count_nonzero(uneven)])).any():
         excess = points.shared_out(excess, uneven)
-        shape += (points.from_volumes(excess) / 3)[:, None] * _in_the_plane(
-            points.components, front_normals(points, temperature)
-        )
-    return Eigenstrain(along - excess, shape)
+        front = _in_the_plane(points.components, front_normals(points, temperature))
+    return Eigenstrain(along - excess, (points.from_volumes(excess) / 3)[:, None] * front, front)
 
 
 def front_normals(points: IntegrationPoints, temperature: FloatArray) -> FloatArray:

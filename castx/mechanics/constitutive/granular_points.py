@@ -99,10 +99,10 @@ class GranularPoints(MaterialPoints):
         share = relaxation / (relaxation + self._step)
         found = relaxed(on_surface, trial, mean, G, K, share)
         self._response = _response(found, start, elastic)
-        self.stress.x.array[:] = found.stress.ravel()
-        self.direction.x.array[:] = found.direction.ravel()
-        self.isotropic.x.array[:] = np.maximum(found.isotropic, SMALLEST_STIFFNESS * 2 * G)
-        self.radial.x.array[:] = found.radial
+        self.functions.take(self._response)
+        self.functions.isotropic.x.array[:] = np.maximum(
+            found.isotropic, SMALLEST_STIFFNESS * 2 * G
+        )
         for function, values in zip(
             self._flowed,
             (found.dilatation, found.stress_by_volume, found.mean_by_shear, found.bulk),

@@ -15,16 +15,31 @@ from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.stateful import Arrays, Saved
 
 
+class SolidStrain(NamedTuple):
+    """Strains of solid at the points.
+
+    Attributes:
+        elastic: elastic strain E, shape (points, components).
+        plastic: viscoplastic strain, shape (points, components).
+        equivalent: its equivalent ξ, the integral of its rate, shape (points,).
+    """
+
+    elastic: FloatArray
+    plastic: FloatArray
+    equivalent: FloatArray
+
+
 class PointHistory(NamedTuple):
     """State of the points at the end of a step.
 
     Attributes:
-        elastic: elastic strain E of the solid, shape (points, components).
-        plastic: viscoplastic strain of the solid, shape (points, components).
-        equivalent: its equivalent ξ, the integral of its rate, shape (points,).
+        elastic: elastic strain E of all that bears, shape (points, components).
+        plastic: its viscoplastic strain, shape (points, components).
+        equivalent: the equivalent ξ of that, the integral of its rate, shape (points,).
         strain: deviatoric strain at the end of the last step, shape (points, components).
         softening: secant shear modulus over the elastic one, shape (points,).
         shape: sum of all de^c, the deviatoric part of contraction, shape (points, components).
+        mush: strains of the mush alone where solid is beside it (`mush`); None: it has none.
     """
 
     elastic: FloatArray
@@ -33,22 +48,47 @@ class PointHistory(NamedTuple):
     strain: FloatArray
     softening: FloatArray
     shape: FloatArray
+    mush: SolidStrain | None = None
+
+    @property
+    def mean(self) -> SolidStrain:
+        """Strains of all that bears."""
+        return SolidStrain(self.elastic, self.plastic, self.equivalent)
+
+    @property
+    def of_mush(self) -> SolidStrain:
+        """Strains of the mush, which are those of all where it is alone."""
+        return self.mean if self.mush is None else self.mush
 
     def saved(self, points: IntegrationPoints) -> dict[str, Saved]:
         """Return the arrays for a checkpoint, by cell."""
+        arrays = self.arrays()
         return {
-            name: Saved(points.by_cell(values), points.numbering)
-            for name, values in self._asdict().items()
+            name: Saved(points.by_cell(values), points.numbering) for name, values in arrays.items()
         }
+
+    def arrays(self) -> dict[str, FloatArray]:
+        """Return all arrays by name."""
+        mush = {} if self.mush is None else self.mush._asdict()
+        own = {name: values for name, values in self._asdict().items() if name != "mush"}
+        return own | {f"mush_{name}": values for name, values in mush.items()}
 
     def restored(self, arrays: Arrays) -> PointHistory:
         """Return the history that arrays of `saved` hold, in the shapes of this one."""
-        return PointHistory(
-            *(arrays[name].reshape(own.shape) for name, own in self._asdict().items())
-        )
+        found = {name: arrays[name].reshape(own.shape) for name, own in self.arrays().items()}
+        if self.mush is None:
+            return PointHistory(**found)
+        mush = SolidStrain(*(found.pop(f"mush_{name}") for name in SolidStrain._fields))
+        return PointHistory(**found, mush=mush)
 
     @classmethod
-    def initial(cls, points: IntegrationPoints) -> PointHistory:
-        """Return the history of an unstrained body."""
+    def initial(cls, points: IntegrationPoints, *, mush: bool = False) -> PointHistory:
+        """Return the history of an unstrained body.
+
+        Args:
+            points: its integration points.
+            mush: whether mush beside solid has a past of its own.
+        """
         none = np.zeros((points.count, points.components))
-        return cls(none, none, np.zeros(points.count), none, np.ones(points.count), none)
+        own = cls(none, none, np.zeros(points.count), none, np.ones(points.count), none)
+        return own._replace(mush=own.mean) if mush else own

@@ -33,7 +33,7 @@ from castx.materials.flow import VISCOPLASTIC, FlowProperties, liquid_flow, soli
 from castx.materials.granular import GRANULAR
 from castx.materials.material import Material
 from castx.materials.thermal_strain import StressFreeState, shrinkage_strain
-from castx.mechanics.constitutive.eigenstrain import eigenstrain
+from castx.mechanics.constitutive.eigenstrain import Eigenstrain, eigenstrain
 from castx.mechanics.constitutive.growth import (
     Freezing,
     Growth,
@@ -44,6 +44,7 @@ from castx.mechanics.constitutive.growth import (
     in_the_solid,
 )
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
+from castx.mechanics.constitutive.mush import Layers, Mush, across_one_layer, layers_of
 from castx.mechanics.constitutive.places import MetalPlaces
 from castx.tables import Table
 
@@ -68,6 +69,7 @@ class Conditions(NamedTuple):
         contraction: de^θ over the step, shape (cells,).
         shape: de^c over the step, shape (points, components), see `eigenstrain`.
         nodes: metal of the nodes at the end of the step.
+        mush: beside solid in the same points; None: it has no past of its own.
     """
 
     shear_modulus: FloatArray
@@ -82,6 +84,7 @@ class Conditions(NamedTuple):
     contraction: FloatArray
     shape: FloatArray
     nodes: MetalNodes
+    mush: Mush | None = None
 
     @property
     def compressibility(self) -> FloatArray:
@@ -146,6 +149,12 @@ class Law:
     def freezes(self) -> bool:
         """Whether solid grows out of a liquid that has a law of its own."""
         return self.material.melts and self.material.liquid is not None
+
+    @property
+    def has_layers(self) -> bool:
+        """Whether mush and the solid beside it flow each for itself."""
+        bears = self.freezes and not self.material.is_isothermal
+        return bears and self.name not in (ELASTIC, GRANULAR)
 
     def largest_shear_modulus(self) -> float:
         """Return the largest shear modulus of the material [Pa], the scale of its pressures."""
@@ -218,17 +227,43 @@ class Law:
         shares = Shares.between(
             *(places.at_points(w) for w in (first.share, last.share, grown.strained))
         )
-        at_points = in_the_solid(points, temperature, end.share)
+        warmth = in_the_solid(points, temperature, end.share)
+        layers = layers_of(places, first, last, grown) if self.has_layers else None
+        if layers is not None:
+            warmth[layers.points] = layers.solid_temperature
         viscous, flowing = self._liquid(shear_modulus, points.from_nodes(temperature), step)
         flow = None
         if self.name not in (ELASTIC, GRANULAR):
-            flow = solid_flow(self.material, self.name, shear_modulus, at_points, step)
+            flow = solid_flow(self.material, self.name, shear_modulus, warmth, step)
+        free = eigenstrain(points, places, grown, temperature)
+        mush = None
+        if layers is not None:
+            poisson_ratio = in_the_solid(points, nu, end.share)
+            mush = self._mush(layers, free, shear_modulus, poisson_ratio, step)
         return Conditions(
             shear_modulus, flow, shares, viscous, flowing,
             places.volume_means(first.share), share,
             np.minimum(places.volume_means(grown.strained), share), compressibility,
-            *eigenstrain(points, places, grown, temperature), end,
+            free.volume, free.shape, end, mush,
         )  # fmt: skip
+
+    def _mush(
+        self,
+        layers: Layers,
+        free: Eigenstrain,
+        shear_modulus: FloatArray,
+        poisson: FloatArray,
+        step: float,
+    ) -> Mush:
+        """Return mush beside solid with the coefficients of its law; all arrays at the points."""
+        at = layers.points
+        flow = solid_flow(
+            self.material, self.name, shear_modulus[at], layers.mush_temperature, step
+        )
+        own = (across_one_layer(poisson[at]) / 3)[:, None] * free.front[at]
+        excess = layers.solid_excess, layers.mush_excess
+        solid, mush = (free.shape[at] + each[:, None] * own for each in excess)
+        return Mush(layers, flow, solid, mush)
 
     def _places(self, points: IntegrationPoints, passed: Sequence[MetalNodes]) -> MetalPlaces:
         """Return the nodes, with samples in cells where mush ends while metal passes its states."""

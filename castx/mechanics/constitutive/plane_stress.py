@@ -42,6 +42,8 @@ def normal_strain(
         mean, slope = mean_stress(normal)
         n = response.direction[:, 2]
         stiffness = 2 / 3 * response.isotropic + response.radial * n**2 + slope
+        if response.beside is not None:
+            stiffness += response.beside.radial * response.beside.direction[:, 2] ** 2
         stress = response.stress[:, 2] + mean
         found |= np.abs(stress) <= ROUNDING * (np.abs(mean) + np.abs(response.stress[:, 2]))
         # σ_zz grows with ε_zz. Where a point yields both ways, Newton's steps go to and fro.

@@ -10,7 +10,6 @@ import numpy as np
 from dolfinx import fem
 
 from castx.arrays import BoolArray, FloatArray
-from castx.forms import kinematics
 from castx.forms.momentum import PointState
 from castx.materials.enthalpy import HeatState
 from castx.mechanics.constitutive.growth import CellVolume, MetalNodes
@@ -19,6 +18,7 @@ from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.mechanics.constitutive.law import Conditions, Law
 from castx.mechanics.constitutive.liquid_volume import forgotten
 from castx.mechanics.constitutive.plane_stress import deviatoric
+from castx.mechanics.constitutive.point_functions import PointFunctions
 from castx.mechanics.constitutive.response import Response, foreseen, respond, secant_softening
 from castx.mechanics.constitutive.secant_modulus import SecantModulus
 from castx.mechanics.constitutive.thickness import thickness
@@ -43,14 +43,13 @@ class MaterialPoints:
         starts_liquid: bool,
     ) -> None:
         self.points, self.law = points, law
-        self.stress, self.direction = points.tensor(), points.tensor()
-        self.isotropic, self.radial = points.scalar(), points.scalar()
+        self.functions = PointFunctions(points, law)
         self.compressibility = points.volume_function(cells)
         self.thermal_strain = points.volume_function(cells)
         self._secant = SecantModulus(points, cells)
         self.secant_modulus, self.bearing = self._secant.function, self._secant.bearing
         self.thickness = thickness(points, law, cells, starts_liquid)
-        self.history = self._start = PointHistory.initial(points)
+        self.history = self._start = PointHistory.initial(points, mush=law.has_layers)
         nodes = len(points.node_numbering.numbers)
         self._nodes = law.initial_nodes(nodes, liquid=starts_liquid)
         self._volume = CellVolume(*np.zeros((4, points.volumes)))
@@ -77,17 +76,12 @@ class MaterialPoints:
 
     def state(self) -> PointState:
         """Return the functions for the forms."""
-        flows = not self.law.is_linear
-        model = self.points.model
         return PointState(
-            kinematics.symmetric_tensor(self.stress, model),
-            self.isotropic,
-            self.radial if flows else None,
-            kinematics.symmetric_tensor(self.direction, model) if flows else None,
-            self.compressibility,
-            self.thermal_strain,
-            self.thickness.normal,
-            self.thickness.follows,
+            **self.functions.tensors(),
+            compressibility=self.compressibility,
+            thermal_strain=self.thermal_strain,
+            out_of_plane=self.thickness.normal,
+            follows=self.thickness.follows,
         )
 
     def begin(
@@ -154,11 +148,7 @@ class MaterialPoints:
         evaluated = foreseen if self._begins else respond
         self._response = evaluated(self.conditions, self._start, deviatoric(self._strain))
         self._begins = False
-        self.stress.x.array[:] = self.response.stress.ravel()
-        self.isotropic.x.array[:] = self.response.isotropic
-        if not self.law.is_linear:
-            self.radial.x.array[:] = self.response.radial
-            self.direction.x.array[:] = self.response.direction.ravel()
+        self.functions.take(self.response)
 
     def _mean_stress(
         self, strain: FloatArray, pressure: FloatArray | None, normal: FloatArray
@@ -246,7 +236,7 @@ class MaterialPoints:
         self._gained = np.asarray(response.equivalent - self._start.equivalent)
         softening = secant_softening(response, self.conditions, self._start, strain)
         past = response.elastic, response.plastic, response.equivalent, strain, softening
-        self.history = PointHistory(*past, self._shape)
+        self.history = PointHistory(*past, self._shape, response.mush)
         free = self.thermal_strain.x.array.copy()
         dilatation = self.points.to_volumes(self._strain[:, :3].sum(axis=1)).copy()
         kept = free + self.conditions.born_later(mean_stress)
