@@ -66,7 +66,8 @@ def eigenstrain(
         growth: of its solid in the step.
         temperature: of the nodes at the end of the step [°C], shape (nodes,).
     """
-    along, front = growth.along(places), np.zeros((points.count, points.components))
+    along = growth.along(places)
+    front: FloatArray = np.zeros((points.count, points.components))
     excess = along - growth.across(places)
     uneven = np.abs(excess) > ROUNDING
     if points.summed(np.array([np.count_nonzero(uneven)])).any():

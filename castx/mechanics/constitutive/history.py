@@ -6,7 +6,7 @@ says how); with the last solid it melts away.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -75,11 +75,13 @@ class PointHistory(NamedTuple):
 
     def restored(self, arrays: Arrays) -> PointHistory:
         """Return the history that arrays of `saved` hold, in the shapes of this one."""
-        found = {name: arrays[name].reshape(own.shape) for name, own in self.arrays().items()}
-        if self.mush is None:
-            return PointHistory(**found)
-        mush = SolidStrain(*(found.pop(f"mush_{name}") for name in SolidStrain._fields))
-        return PointHistory(**found, mush=mush)
+        found: dict[str, Any] = {
+            name: arrays[name].reshape(own.shape) for name, own in self.arrays().items()
+        }
+        if self.mush is not None:
+            names = SolidStrain._fields
+            found["mush"] = SolidStrain(*(found.pop(f"mush_{name}") for name in names))
+        return PointHistory(**found)
 
     @classmethod
     def initial(cls, points: IntegrationPoints, *, mush: bool = False) -> PointHistory:

@@ -41,7 +41,7 @@ class PointFunctions:
         def tensor(function: Any) -> Any:
             return kinematics.symmetric_tensor(function, self._model)
 
-        flowing = {"radial": None, "direction": None}
+        flowing: dict[str, Any] = {"radial": None, "direction": None}
         if self._flows:
             flowing = {"radial": self.radial, "direction": tensor(self.direction)}
         beside = (self.beside_radial, tensor(self.beside_direction)) if self._layers else None

@@ -60,4 +60,4 @@ def after(points, conditions: Conditions, start: PointHistory, strain: FloatArra
     found = respond(conditions, start, strain)
     softening = secant_softening(found, conditions, start, strain)
     shape = start.shape + conditions.shape
-    return PointHistory(found.elastic, found.plastic, found.equivalent, strain, softening, shape)
+    return PointHistory(*found.strains, strain, softening, shape, found.mush)

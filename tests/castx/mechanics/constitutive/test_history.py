@@ -110,11 +110,11 @@ def test_saved_arrays_give_the_history_back(points):
     solid, history = at(points, law, 1.0), PointHistory.initial(points)
     history = after(points, solid, history, strains(points, 0.01, 1))
     saved = history.saved(points)
-    assert set(saved) == set(PointHistory._fields)
+    assert set(saved) == set(PointHistory._fields) - {"mush"}
     assert all(len(part.values) == points.cells for part in saved.values())
     arrays = {name: part.values for name, part in saved.items()}
     found = PointHistory.initial(points).restored(arrays)
-    for name, values in found._asdict().items():
+    for name, values in found.arrays().items():
         np.testing.assert_array_equal(values, getattr(history, name), err_msg=name)
     assert history.equivalent.min() > 0.0
 

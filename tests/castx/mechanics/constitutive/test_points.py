@@ -346,8 +346,8 @@ def test_a_trial_step_leaves_no_trace(comm):
             each.equilibrium.solve(float(time))
             each.equilibrium.commit()
     parts = [each.bodies["casting"] for each in (made, plain)]
-    for name, found in parts[0].material.history._asdict().items():
-        expected = getattr(parts[1].material.history, name)
+    for name, found in parts[0].material.history.arrays().items():
+        expected = parts[1].material.history.arrays()[name]
         assert any(comm.allgather(np.any(expected))), name
         np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-12, err_msg=name)
     np.testing.assert_allclose(motion(made, "casting"), motion(plain, "casting"), atol=1e-13)
