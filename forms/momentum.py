@@ -71,7 +71,9 @@ class PointState(NamedTuple):
 
 
 def tangent_stress(increment: Any, state: PointState) -> Any:
-    """Return ds = a dev(dε) + Σ b n (n:dε) + c n ∇·du [Pa], shape (3, 3); c in grains alone.
+    """Return ds = a dev(dε) + b n (n:dε) + c n ∇·du [Pa], shape (3, 3); c in grains alone.
+
+    Mush beside solid has b and n of its own.
 
     The consistent tangent of the radial return: J. C. Simo and T. J. R. Hughes, Computational
     Inelasticity (1998), section 3.3.2.

@@ -13,6 +13,7 @@ is 4 w G (3 K + w² G)/(3 K + 4 w² G).
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -72,27 +73,37 @@ def run(comm, data: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
     return np.array(strains), np.array(walls)
 
 
+def fine_volumes() -> FloatArray:
+    """Return the widths that belong to the nodes of a fine grid [m]."""
+    found = np.full(FINE + 1, LENGTH / FINE)
+    found[[0, -1]] *= 0.5
+    return found
+
+
+@cache
+def fine_temperatures() -> FloatArray:
+    """Return the temperatures of its nodes [°C], shape (steps + 1, nodes)."""
+    size, step, volumes = LENGTH / FINE, END / STEPS, fine_volumes()
+    found = [np.full(FINE + 1, START)]
+    for _ in range(STEPS):
+        found.append(_heated(found[-1], volumes, CONDUCTIVITY / size, step))
+    return np.array(found)
+
+
 @cache
 def reference(*, held: bool) -> tuple[FloatArray, FloatArray]:
     """Return lateral strain and temperature of the wall [°C] on a fine grid, both (steps,)."""
-    size, step = LENGTH / FINE, END / STEPS
-    volumes = np.full(FINE + 1, size)
-    volumes[[0, -1]] *= 0.5
-    conducts = CONDUCTIVITY / size
-    temperature: FloatArray = np.full(FINE + 1, START)
-    strain = 0.0
-    strains, walls = [], []
-    for _ in range(STEPS):
-        before, temperature = temperature, _heated(temperature, volumes, conducts, step)
-        (w0, c0), (w1, c1) = _metal(before), _metal(temperature)
+    volumes, temperatures = fine_volumes(), fine_temperatures()
+    strain, strains = 0.0, []
+    for before, after in pairwise(temperatures):
+        (w0, c0), (w1, c1) = metal(before), metal(after)
         w = 0.5 * (w0 + w1)
         both, one = moduli(w)
         if w.any():
             pulled = volumes @ (both * (c1 - c0)) / 3.0
             strain += float(pulled / (volumes @ (one if held else both)))
         strains.append(strain)
-        walls.append(temperature[0])
-    return np.array(strains), np.array(walls)
+    return np.array(strains), temperatures[1:, 0]
 
 
 def moduli(share: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -102,7 +113,7 @@ def moduli(share: FloatArray) -> tuple[FloatArray, FloatArray]:
     return 18.0 * K * G * scale, 4.0 * G * (3.0 * K + share**2 * G) * scale
 
 
-def _metal(temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
+def metal(temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return w and c of layers."""
     fraction = solid_fraction(temperature)
     share = np.clip((fraction - COHERENCY) / (1.0 - COHERENCY), 0.0, 1.0)

@@ -135,7 +135,7 @@ def _solid_response(conditions: Conditions, start: PointHistory, strain: FloatAr
     )  # fmt: skip
     change = strain - start.strain
     if mush is None:
-        step = _Step(G, flow, shares.carried, shares.strained, change - conditions.shape)
+        step = _Stretch(G, flow, shares.carried, shares.strained, change - conditions.shape)
         return _flowed(step, start.mean)
     at, layers = mush.layers.points, mush.layers
     carried, strained, shape = (
@@ -146,15 +146,15 @@ def _solid_response(conditions: Conditions, start: PointHistory, strain: FloatAr
     past = SolidStrain(*(mean.copy() for mean in start.mean))
     for all_points, some in zip(past, of_solid, strict=True):
         all_points[at] = some
-    main = _flowed(_Step(G, flow, carried, strained, change - shape), past)
-    step = _Step(
+    main = _flowed(_Stretch(G, flow, carried, strained, change - shape), past)
+    step = _Stretch(
         G[at], mush.flow, layers.shares.carried, layers.shares.strained, change[at] - mush.shape
     )
     return _beside(main, _flowed(step, of_mush), mush, shares.end[at])
 
 
-class _Step(NamedTuple):
-    """What a step does to metal that bears.
+class _Stretch(NamedTuple):
+    """Stretch of metal that bears in a step, and what meets it.
 
     Attributes:
         shear_modulus: G [Pa], shape (points,).
@@ -171,7 +171,7 @@ class _Step(NamedTuple):
     stretched: FloatArray
 
 
-def _flowed(step: _Step, past: SolidStrain) -> Response:
+def _flowed(step: _Stretch, past: SolidStrain) -> Response:
     """Return the response of metal with a past to a step."""
     G, strained = step.shear_modulus, step.strained
     carried = step.carried[:, None]
