@@ -13,9 +13,12 @@ from castx.mechanics.constitutive.law import Conditions
 class SecantModulus:
     """Secant shear modulus of the cells, that of the solid wherever there is any.
 
-    With a mean of solid and liquid τ is too large. A point that holds solid in some pass of a step
-    keeps its modulus until the end of the step, or heat and mechanics would follow each other round
-    a jump.
+    With a mean of solid and liquid τ is too large, and so it is by what has flowed there: liquid, or
+    mush, a layer beside solid that does not flow. Where a step begins with less than all of it the
+    solid is taken as elastic. By its secant modulus a shrinking alloy that yields, in
+    triangles as thick as the mush, has a quarter of its pores too few. A point
+    that holds solid in some pass of a step keeps its modulus until the end of the step, or heat and
+    mechanics would follow each other round a jump.
 
     Attributes:
         function: the modulus [Pa], constant in each cell.
@@ -40,8 +43,9 @@ class SecantModulus:
             conditions: coefficients of the law.
             softening: secant modulus over the elastic one, shape (points,).
         """
-        values = softening * conditions.shear_modulus
         self._bears = self._bears | (conditions.shares.end > 0)
+        mixed = self._bears & (conditions.shares.start < 1)
+        values = np.where(mixed, 1.0, softening) * conditions.shear_modulus
         if conditions.liquid_modulus is not None:
             values = np.where(self._bears, values, conditions.liquid_modulus)
         self.function.x.array[:] = self._points.cell_means(values)
