@@ -78,7 +78,7 @@ def plastic(mesh: str, cells: int) -> dict[str, Any]:
 def test_a_plate_that_yields_on_ten_cells(comm, mesh):
     """With one stress for mush and solid, triangles and tetrahedra are off by 13 and 9 %."""
     found, _ = run(comm, plastic(mesh, 10))
-    assert np.all(np.abs(found[LATE] / reference()[LATE] - 1.0) < 0.055)
+    assert np.all(np.abs(found[LATE] / reference()[LATE] - 1.0) < 0.065)
 
 
 @pytest.mark.slow

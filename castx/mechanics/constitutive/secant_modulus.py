@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from dolfinx import fem
 
@@ -10,15 +12,34 @@ from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.mechanics.constitutive.law import Conditions
 
 
+class _Held(NamedTuple):
+    """Points by what they have held in the passes of a step, each of shape (points,).
+
+    Attributes:
+        bears: some solid.
+        firm: solid beside mush, or solid where there was none at the start of the step.
+    """
+
+    bears: BoolArray
+    firm: BoolArray
+
+    def also(self, conditions: Conditions) -> _Held:
+        """Return the points with those of another pass."""
+        bears = self.bears | (conditions.shares.end > 0)
+        firm = self.firm | (bears & (conditions.shares.start == 0))
+        if conditions.mush is not None:
+            firm[conditions.mush.layers.points] = True
+        return _Held(bears, firm)
+
+
 class SecantModulus:
     """Secant shear modulus of the cells, that of the solid wherever there is any.
 
-    With a mean of solid and liquid τ is too large, and so it is by what has flowed there: liquid, or
-    mush, a layer beside solid that does not flow. Where a step begins with less than all of it the
-    solid is taken as elastic. By its secant modulus a shrinking alloy that yields, in
-    triangles as thick as the mush, has a quarter of its pores too few. A point
-    that holds solid in some pass of a step keeps its modulus until the end of the step, or heat and
-    mechanics would follow each other round a jump.
+    With a mean of solid and liquid τ is too large, and so it is by what flows beside solid or has
+    flowed before: points that hold solid and mush, and those that begin to bear, are taken as
+    elastic. By its secant modulus a shrinking alloy that yields, in triangles as thick as its mush,
+    has a quarter of its pores too few. What holds solid in some pass of a step, or both, counts as
+    such until the end of the step, or heat and mechanics would follow each other round a jump.
 
     Attributes:
         function: the modulus [Pa], constant in each cell.
@@ -32,9 +53,8 @@ class SecantModulus:
     def __init__(self, points: IntegrationPoints, cells: fem.FunctionSpace) -> None:
         self._points = points
         self.function, self.bearing = fem.Function(cells), fem.Function(cells)
-        self._none: BoolArray = np.zeros(points.count, dtype=bool)
-        self._bears: BoolArray = self._none
-        self._accepted: BoolArray = self._none
+        none: BoolArray = np.zeros(points.count, dtype=bool)
+        self._none = self._held = self._accepted = _Held(none, none)
 
     def use(self, conditions: Conditions, softening: FloatArray) -> None:
         """Set the modulus for a pass of a step.
@@ -43,24 +63,23 @@ class SecantModulus:
             conditions: coefficients of the law.
             softening: secant modulus over the elastic one, shape (points,).
         """
-        self._bears = self._bears | (conditions.shares.end > 0)
-        mixed = self._bears & (conditions.shares.start < 1)
-        values = np.where(mixed, 1.0, softening) * conditions.shear_modulus
+        self._held = self._held.also(conditions)
+        values = np.where(self._held.firm, 1.0, softening) * conditions.shear_modulus
         if conditions.liquid_modulus is not None:
-            values = np.where(self._bears, values, conditions.liquid_modulus)
+            values = np.where(self._held.bears, values, conditions.liquid_modulus)
         self.function.x.array[:] = self._points.cell_means(values)
-        self.bearing.x.array[:] = self._points.cell_means(self._bears.astype(float)) > 0
+        self.bearing.x.array[:] = self._points.cell_means(self._held.bears.astype(float)) > 0
 
     def commit(self) -> None:
         """Accept the trial state as the start of the next step."""
-        self._accepted, self._bears = self._bears, self._none
+        self._accepted, self._held = self._held, self._none
 
     def rewind(self, conditions: Conditions, softening: FloatArray) -> None:
         """Return to the last accepted step, arguments as those of `use`."""
-        self._bears = self._accepted
+        self._held = self._accepted
         self.use(conditions, softening)
         self.forget()
 
     def forget(self) -> None:
         """Forget which points held solid in the passes of a step."""
-        self._bears = self._none
+        self._held = self._none
