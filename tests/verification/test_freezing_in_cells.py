@@ -81,13 +81,13 @@ def fine_volumes() -> FloatArray:
 
 
 @cache
-def fine_temperatures() -> FloatArray:
-    """Return the temperatures of its nodes [°C], shape (steps + 1, nodes)."""
+def fine_temperatures() -> list[FloatArray]:
+    """Return the temperatures of its nodes [°C] at the start and after each step, (nodes,)."""
     size, step, volumes = LENGTH / FINE, END / STEPS, fine_volumes()
-    found = [np.full(FINE + 1, START)]
+    found: list[FloatArray] = [np.full(FINE + 1, START)]
     for _ in range(STEPS):
         found.append(_heated(found[-1], volumes, CONDUCTIVITY / size, step))
-    return np.array(found)
+    return found
 
 
 @cache
@@ -103,7 +103,7 @@ def reference(*, held: bool) -> tuple[FloatArray, FloatArray]:
             pulled = volumes @ (both * (c1 - c0)) / 3.0
             strain += float(pulled / (volumes @ (one if held else both)))
         strains.append(strain)
-    return np.array(strains), temperatures[1:, 0]
+    return np.array(strains), np.array([each[0] for each in temperatures[1:]])
 
 
 def moduli(share: FloatArray) -> tuple[FloatArray, FloatArray]:
