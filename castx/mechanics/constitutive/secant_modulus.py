@@ -17,7 +17,7 @@ class _Held(NamedTuple):
 
     Attributes:
         bears: some solid.
-        firm: solid beside mush, or solid where there was none at the start of the step.
+        firm: solid beside mush.
     """
 
     bears: BoolArray
@@ -26,7 +26,7 @@ class _Held(NamedTuple):
     def also(self, conditions: Conditions) -> _Held:
         """Return the points with those of another pass."""
         bears = self.bears | (conditions.shares.end > 0)
-        firm = self.firm | (bears & (conditions.shares.start == 0))
+        firm = self.firm.copy()
         if conditions.mush is not None:
             firm[conditions.mush.layers.points] = True
         return _Held(bears, firm)
@@ -35,11 +35,11 @@ class _Held(NamedTuple):
 class SecantModulus:
     """Secant shear modulus of the cells, that of the solid wherever there is any.
 
-    With a mean of solid and liquid τ is too large, and so it is by what flows beside solid or has
-    flowed before: points that hold solid and mush, and those that begin to bear, are taken as
-    elastic. By its secant modulus a shrinking alloy that yields, in triangles as thick as its mush,
-    has a quarter of its pores too few. What holds solid in some pass of a step, or both, counts as
-    such until the end of the step, or heat and mechanics would follow each other round a jump.
+    With a mean of solid and liquid τ is too large, and so it is by mush that flows beside solid:
+    points that hold both are taken as elastic. By its secant modulus a shrinking alloy that yields,
+    in triangles as thick as its mush, has a quarter of its pores too few. What holds solid in some
+    pass of a step, or both, counts as such until the end of the step, or heat and mechanics would
+    follow each other round a jump.
 
     Attributes:
         function: the modulus [Pa], constant in each cell.
