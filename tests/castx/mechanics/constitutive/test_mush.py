@@ -86,6 +86,41 @@ def test_so_they_are_as_the_metal_melts_again(points, body):
 
 
 @pytest.mark.serial
+def test_solid_that_melts_takes_along_what_it_bears(points, body):
+    """Both pasts have the mean of the history, and mush its own with that of what has melted."""
+    made = law(PLASTIC)
+    history = histories(made, points, body, 2e-3, (*TIMES, 563.0))[-1]
+    mush = step(made, points, body, 563.0, 565.0).mush
+    assert mush is not None and history.mush is not None
+    layers, at = mush.layers, mush.layers.points
+    melted = layers.solid_before - layers.solid
+    assert np.any(melted > 1e-3) and np.any(layers.mush_before > 1e-3)
+    begun = made.nodes(*state(made, body, 563.0)).share
+    assert np.any(layers.mush_before < 0.9 * points.from_nodes(begun)[at])
+    solids, mushes = mush.pasts(history)
+    for solid, mixed, mean, own in zip(solids, mushes, history.mean, history.of_mush, strict=True):
+        whole = layers.solid_before + layers.mush_before
+        borne = (layers.solid_before * solid.T + layers.mush_before * own[at].T).T
+        np.testing.assert_allclose((borne.T / whole).T, mean[at], rtol=1e-12, atol=1e-18)
+        joined = (melted * solid.T + layers.mush_before * own[at].T).T
+        expected = (joined.T / (melted + layers.mush_before)).T
+        np.testing.assert_allclose(mixed, expected, rtol=1e-12, atol=1e-18)
+    assert np.abs(solids.elastic - mushes.elastic).max() > 1e-5
+
+
+@pytest.mark.serial
+def test_mush_is_hotter_than_the_solid_beside_it(points, body):
+    """And what both contract beyond the cell adds up to nothing."""
+    mush = step(law(PLASTIC), points, body, *TIMES[-2:]).mush
+    assert mush is not None
+    layers = mush.layers
+    assert np.all(layers.mush_temperature > layers.solid_temperature + 1.0)
+    strained = layers.shares.strained * layers.shares.end
+    joint = layers.solid * layers.solid_excess + strained * layers.mush_excess
+    assert np.abs(joint).max() < 1e-12 < 1e-5 < np.abs(layers.mush_excess).min()
+
+
+@pytest.mark.serial
 @pytest.mark.parametrize("name", [PLASTIC, VISCOPLASTIC])
 def test_mush_that_flows_leaves_the_solid_beside_it(points, body, name):
     """It shrinks by far more than it can bear, the solid by what it pulls."""
