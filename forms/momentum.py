@@ -69,6 +69,12 @@ class PointState(NamedTuple):
     plastic_volume: PlasticVolume | None = None
     beside: tuple[Any, Any] | None = None
 
+    @property
+    def radials(self) -> list[tuple[Any, Any]]:
+        """All b and n of the tangent."""
+        own = [] if self.radial is None else [(self.radial, self.direction)]
+        return own if self.beside is None else [*own, self.beside]
+
 
 def tangent_stress(increment: Any, state: PointState) -> Any:
     """Return ds = a dev(dε) + b n (n:dε) + c n ∇·du [Pa], shape (3, 3); c in grains alone.
@@ -83,14 +89,10 @@ def tangent_stress(increment: Any, state: PointState) -> Any:
         state: a, b and n of the integration points.
     """
     change = state.isotropic * deviator(increment)
-    if state.radial is not None:
-        n = state.direction
-        change += state.radial * ufl.inner(n, increment) * n
-        if state.plastic_volume is not None:
-            change += state.plastic_volume.stress_by_volume * ufl.tr(increment) * n
-    if state.beside is not None:
-        radial, n = state.beside
+    for radial, n in state.radials:
         change += radial * ufl.inner(n, increment) * n
+    if state.plastic_volume is not None:
+        change += state.plastic_volume.stress_by_volume * ufl.tr(increment) * state.direction
     return change
 
 
@@ -111,10 +113,7 @@ def tangent_mean(increment: Any, state: PointState) -> Any:
 def _normal_tangent(state: PointState) -> Any:
     """Return ds_zz/dε_zz [Pa]."""
     change = 2 * state.isotropic / 3
-    if state.radial is not None:
-        change += state.radial * state.direction[2, 2] ** 2
-    if state.beside is not None:
-        radial, n = state.beside
+    for radial, n in state.radials:
         change += radial * n[2, 2] ** 2
     return change
 

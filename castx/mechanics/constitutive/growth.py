@@ -41,7 +41,7 @@ from typing import NamedTuple
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.mechanics.constitutive.integration_points import IntegrationPoints
+from castx.mechanics.constitutive.integration_points import IntegrationPoints, part_of_whole
 from castx.mechanics.constitutive.places import MetalPlaces
 
 ROUNDING = 1e-15
@@ -81,10 +81,7 @@ class Shares(NamedTuple):
     def between(cls, start: FloatArray, end: FloatArray, mean: FloatArray) -> Shares:
         """Return the shares of points with w_0, w and the mean in between, shape (points,)."""
         parts = np.minimum(start, end), np.minimum(mean, end)
-        solid = end > 0
-        carried, strained = (
-            np.divide(part, end, out=np.zeros_like(end), where=solid) for part in parts
-        )
+        carried, strained = (part_of_whole(part, end) for part in parts)
         return cls(start, end, carried, strained)
 
 
@@ -168,8 +165,7 @@ class Growth(NamedTuple):
 
     def along(self, places: IntegrationPoints | MetalPlaces) -> FloatArray:
         """Return da, the contraction of all the solid along a front, shape (volumes,)."""
-        part, whole = places.volume_means(self.weighted), places.volume_means(self.strained)
-        return np.divide(part, whole, out=np.zeros_like(whole), where=whole > 0)
+        return part_of_whole(places.volume_means(self.weighted), places.volume_means(self.strained))
 
     def across(self, places: IntegrationPoints | MetalPlaces) -> FloatArray:
         """Return the mean of ∫ dc_v, the contraction of the volumes, shape (volumes,)."""

@@ -120,7 +120,7 @@ class IntegrationPoints:
         if weight is None:
             return np.asarray(np.mean(values[corners], axis=1))
         weighted, total = (weight * values)[corners].sum(axis=1), weight[corners].sum(axis=1)
-        return _share(weighted, total)
+        return part_of_whole(weighted, total)
 
     def from_volumes(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return values of the volumes at the points, shape (points,)."""
@@ -258,7 +258,7 @@ class VolumePoints(IntegrationPoints):
         """Return nodal values at the points, as means over the solid there, shape (points,)."""
         if weight is None:
             return self.from_nodes(values)
-        return _share(self.from_nodes(weight * values), self.from_nodes(weight))
+        return part_of_whole(self.from_nodes(weight * values), self.from_nodes(weight))
 
     def from_volumes(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return the values as they are."""
@@ -285,6 +285,6 @@ class VolumePoints(IntegrationPoints):
         return self.by_cell(values)
 
 
-def _share(part: FloatArray, total: FloatArray) -> FloatArray:
+def part_of_whole(part: FloatArray, total: FloatArray) -> FloatArray:
     """Return parts of totals, zero where there is nothing in all."""
     return np.asarray(np.divide(part, total, out=np.zeros_like(total), where=total > 0))

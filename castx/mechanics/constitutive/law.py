@@ -228,7 +228,7 @@ class Law:
             *(places.at_points(w) for w in (first.share, last.share, grown.strained))
         )
         warmth = in_the_solid(points, temperature, end.share)
-        layers = layers_of(places, first, last, grown) if self.has_layers else None
+        layers = layers_of(places, first, last, grown, shares) if self.has_layers else None
         if layers is not None:
             warmth[layers.points] = layers.solid_temperature
         viscous, flowing = self._liquid(shear_modulus, points.from_nodes(temperature), step)

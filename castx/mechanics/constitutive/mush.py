@@ -32,6 +32,7 @@ from castx.arrays import FloatArray, LongArray
 from castx.materials.flow import FlowProperties
 from castx.mechanics.constitutive.growth import Growth, MetalNodes, Shares
 from castx.mechanics.constitutive.history import PointHistory, SolidStrain
+from castx.mechanics.constitutive.integration_points import part_of_whole
 from castx.mechanics.constitutive.places import MetalPlaces
 
 
@@ -85,7 +86,7 @@ class Mush(NamedTuple):
         layers, at = self.layers, self.layers.points
         melted = layers.solid_before - layers.solid
         whole = layers.solid_before + layers.mush_before
-        part = _over(melted, melted + layers.mush_before)
+        part = part_of_whole(melted, melted + layers.mush_before)
         solids, mushes = [], []
         for mean, mush in zip(start.mean, start.of_mush, strict=True):
             of_mush = mush[at]
@@ -95,7 +96,9 @@ class Mush(NamedTuple):
         return SolidStrain(*solids), SolidStrain(*mushes)
 
 
-def layers_of(places: MetalPlaces, start: MetalNodes, end: MetalNodes, grown: Growth) -> Layers:
+def layers_of(
+    places: MetalPlaces, start: MetalNodes, end: MetalNodes, grown: Growth, shares: Shares
+) -> Layers:
     """Return solid and mush of the points that hold both in a step.
 
     Args:
@@ -103,31 +106,33 @@ def layers_of(places: MetalPlaces, start: MetalNodes, end: MetalNodes, grown: Gr
         start: metal of the places at the start of the step.
         end: at its end.
         grown: growth of the solid between.
+        shares: of all that bears at the points.
     """
     was_solid = start.share == 1
     stays = was_solid & (end.share == 1)
     at_points = places.at_points
-    solid, before, after = (at_points(w) for w in (stays * 1.0, start.share, end.share))
-    mush_before = at_points(np.where(was_solid, 0.0, start.share))
-    both = np.flatnonzero((solid > 0) & ((before > solid) | (after > solid)))
+    solid = at_points(stays * 1.0)
+    both = np.flatnonzero((solid > 0) & ((shares.start > solid) | (shares.end > solid)))
 
-    def split(values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the parts of the solid and of all other metal in means at the points."""
-        of_solid, rest = np.where(stays, values, 0.0), np.where(stays, 0.0, values)
-        return at_points(of_solid)[both], at_points(rest)[both]
+    def of_solid(values: FloatArray) -> FloatArray:
+        """Return the part of what is solid throughout in means at the points that hold both."""
+        return at_points(np.where(stays, values, 0.0))[both]
 
-    solid, (_, first), (_, last) = solid[both], split(start.share), split(end.share)
-    _, strained = split(grown.strained)
-    weighted_solid, weighted = split(grown.weighted)
-    solid_heat, heat = split(end.share * end.temperature)
-    along = (weighted_solid + weighted) / (solid + strained)
-    of_solid, of_mush = weighted_solid / solid, _over(weighted, strained)
-    warmth = solid_heat / solid
+    def of_mush(values: FloatArray) -> FloatArray:
+        """Return the part of all other metal, likewise."""
+        return at_points(np.where(stays, 0.0, values))[both]
+
+    solid, last, strained = solid[both], of_mush(end.share), of_mush(grown.strained)
+    weighted, solid_weighted = of_mush(grown.weighted), of_solid(grown.weighted)
+    heat = end.share * end.temperature
+    along = (solid_weighted + weighted) / (solid + strained)
+    warmth = of_solid(heat) / solid
     return Layers(
-        both, solid, at_points(was_solid * 1.0)[both], mush_before[both],
-        Shares.between(first, last, strained),
-        of_solid - along, np.where(strained > 0, of_mush - along, 0.0),
-        warmth, np.where(last > 0, _over(heat, last), warmth),
+        both, solid, at_points(was_solid * 1.0)[both],
+        at_points(np.where(was_solid, 0.0, start.share))[both],
+        Shares.between(of_mush(start.share), last, strained), solid_weighted / solid - along,
+        np.where(strained > 0, part_of_whole(weighted, strained) - along, 0.0),
+        warmth, np.where(last > 0, part_of_whole(of_mush(heat), last), warmth),
     )  # fmt: skip
 
 
@@ -138,11 +143,6 @@ def across_one_layer(poisson_ratio: FloatArray) -> FloatArray:
         poisson_ratio: ν, shape (points,).
     """
     return (1 + poisson_ratio) / (3 * (1 - poisson_ratio))
-
-
-def _over(part: FloatArray, whole: FloatArray) -> FloatArray:
-    """Return parts of wholes, zero where there is nothing in all."""
-    return np.divide(part, whole, out=np.zeros_like(whole), where=whole > 0)
 
 
 def _by_rows(factor: FloatArray, values: FloatArray) -> FloatArray:

@@ -22,7 +22,8 @@ class PointFunctions:
         self._model, self._flows, self._layers = points.model, not law.is_linear, law.has_layers
         self.stress, self.isotropic = points.tensor(), points.scalar()
         self.direction, self.radial = points.tensor(), points.scalar()
-        self.beside_direction, self.beside_radial = points.tensor(), points.scalar()
+        if self._layers:
+            self.beside_direction, self.beside_radial = points.tensor(), points.scalar()
 
     def take(self, response: Response) -> None:
         """Take the values of a response at all points."""
