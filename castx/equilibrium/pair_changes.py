@@ -36,26 +36,29 @@ class PairChanges:
     As long as what flows is not in equilibrium, closed pairs open by the forces that the last
     linear system foretold (semismooth Newton; Hintermüller, Ito and Kunisch 2002): those balance,
     where the forces of the iterate hold what its iteration left undone. So one iteration serves
-    both the law and the set, instead of several for each ring of pairs that a skin leaves. What
-    liquid holds lets go by forces that have settled: those before know nothing of the flow by which
-    metal that has just frozen yields to them, and what has let go stays open.
+    both the law and the set, instead of several for each ring of pairs that a skin leaves. The
+    first that liquid holds let go by forces that have settled: those before know nothing of the
+    flow by which metal that has just frozen yields to them, and what has let go stays open. From
+    then on the skin peels off, ring by ring, and of the rings behind the forces are foretold.
 
     Args:
         balance: the nonlinear problem.
 
     Attributes:
         foretold: forces by which closed pairs open [N], shape (pairs,); None: those they have.
+        has_settled: whether pairs have been judged by forces that had settled since `begin`.
     """
 
     def __init__(self, balance: MomentumBalance) -> None:
         self._balance = balance
         self._first_contact = FirstContact(balance.contact, balance.assembly.unknowns)
         self.foretold: FloatArray | None = None
+        self.has_settled = False
         self._openings: IntArray = np.zeros(len(balance.trial_forces), dtype=np.int32)
 
     def begin(self) -> None:
         """Begin a solve."""
-        self.foretold = None
+        self.foretold, self.has_settled = None, False
         self._openings[:] = 0
 
     def foretell(self, x: PETSc.Vec, y: PETSc.Vec, rows: FloatArray) -> None:
@@ -108,6 +111,7 @@ class PairChanges:
             felt, before = balance.felt(balance.trial_forces), active.closed
             pull = 0.0 if linear else active.largest_pull(felt)
             settled = linear or self._is_settled(f, pull, slides)
+            self.has_settled |= settled
             forces = felt if settled else self._unsettled(felt)
             changed = active.update(forces, noise, settled)
             self._openings += before & ~active.closed
@@ -175,8 +179,9 @@ class PairChanges:
         active = self._balance.active
         forces = np.where(active.closed, np.maximum(forces, 0.0), forces)
         if self.foretold is not None:
-            certain = active.closed & ~active.held & (self._openings < MOST_FORETOLD)
-            forces[certain] = self.foretold[certain]
+            certain = active.closed & (self._openings < MOST_FORETOLD)
+            certain &= self.has_settled | ~active.held
+            forces[certain] = self._balance.felt(self.foretold)[certain]
         return forces
 
     def violates(self) -> bool:

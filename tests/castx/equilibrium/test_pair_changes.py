@@ -210,22 +210,24 @@ def test_noise_is_a_tenth_of_what_balances_and_a_hundred_residuals(residual, rou
 @pytest.mark.parametrize(
     ("residual", "forces"), [(10.0, [0.0, -40.0]), (0.21, [0.0, -40.0]), (0.19, [-1.5, -2.0])]
 )
-def test_what_liquid_holds_lets_go_in_equilibrium_alone(residual, forces):
+def test_the_first_that_liquid_holds_lets_go_in_equilibrium_alone(residual, forces):
     """Of two pairs that the linear system sees pulled the free one opens at once.
 
     The other one lets go by what liquid feels, once the residual is a tenth of the largest pull
-    beyond its limit, 2 N.
+    beyond its limit, 2 N. From then on forces are foretold for both, as liquid feels them, until
+    another solve begins.
     """
-    judged = []
+    judged: list[float] = []
 
     def judge(forces, threshold, settled):
-        judged.extend(forces)
+        judged[:] = forces
         return False
 
+    held = np.array([True, False])
     closed, trial = np.ones(2, dtype=bool), np.array([-1.0, -2.0])
     balance: Any = SimpleNamespace(
         active=SimpleNamespace(
-            update=judge, closed=closed, held=np.array([True, False]), one_by_one=False,
+            update=judge, closed=closed, held=held, one_by_one=False,
             largest_pull=lambda forces: 2.0,
         ),
         assembly=SimpleNamespace(
@@ -244,7 +246,7 @@ def test_what_liquid_holds_lets_go_in_equilibrium_alone(residual, forces):
         supports=SimpleNamespace(change=lambda closed, all_quiet: True), is_linear=False,
         is_evaluated_at=lambda x: True, iterate=SimpleIterate(0.0),
         present=lambda x: SimpleIterate(0.0), trial_forces=trial, sum_up_again=lambda x, f: None,
-        felt=lambda forces: np.array([-1.5, -2.0]),
+        felt=lambda forces: np.where(held, forces - 0.5, forces),
     )  # fmt: skip
     x: Any = vector()
     changes = PairChanges(balance)
@@ -253,6 +255,14 @@ def test_what_liquid_holds_lets_go_in_equilibrium_alone(residual, forces):
     f: Any = SimpleNamespace(norm=lambda: residual)
     assert changes.update_pairs(x, f)
     assert judged == pytest.approx(forces)
+
+    settled, far = residual < 0.2, SimpleNamespace(norm=lambda: 10.0)
+    assert changes.update_pairs(x, far)
+    assert judged == pytest.approx([-30.5 if settled else 0.0, -40.0])
+    changes.begin()
+    changes.foretell(x, x, np.zeros(2))
+    assert changes.update_pairs(x, far)
+    assert judged == pytest.approx([0.0, -40.0])
 
 
 @pytest.mark.parametrize("method", EXACT)
