@@ -208,12 +208,12 @@ def test_noise_is_a_tenth_of_what_balances_and_a_hundred_residuals(residual, rou
 
 @pytest.mark.serial
 @pytest.mark.parametrize(
-    ("residual", "forces"), [(10.0, [0.0, -40.0]), (0.21, [0.0, -40.0]), (0.19, [-1.5, -2.0])]
+    ("residual", "forces"), [(10.0, [0.0, -40.0]), (1.01, [0.0, -40.0]), (0.99, [-1.5, -2.0])]
 )
 def test_the_first_that_liquid_holds_lets_go_in_equilibrium_alone(residual, forces):
     """Of two pairs that the linear system sees pulled the free one opens at once.
 
-    The other one lets go by what liquid feels, once the residual is a tenth of the largest pull
+    The other one lets go by what liquid feels, once the residual is half of the largest pull
     beyond its limit, 2 N. From then on forces are foretold for both, as liquid feels them, until
     another solve begins.
     """
@@ -256,7 +256,7 @@ def test_the_first_that_liquid_holds_lets_go_in_equilibrium_alone(residual, forc
     assert changes.update_pairs(x, f)
     assert judged == pytest.approx(forces)
 
-    settled, far = residual < 0.2, SimpleNamespace(norm=lambda: 10.0)
+    settled, far = residual < 1.0, SimpleNamespace(norm=lambda: 10.0)
     assert changes.update_pairs(x, far)
     assert judged == pytest.approx([-30.5 if settled else 0.0, -40.0])
     changes.begin()
