@@ -11,6 +11,7 @@ from castx.arrays import FloatArray
 from castx.case.contact import BY_NODES, Pairing, body_problem, friction_problem, is_tied
 from castx.contact.kinematics.rows import Treatment
 from castx.contact.methods.description import ContactMethod, Setting, Settings, UnknownKind
+from castx.contact.methods.exponential import CLEARANCE
 from castx.contact.methods.registry import DEFAULT, METHODS, keys, setting
 from castx.errors import CaseError
 
@@ -63,6 +64,12 @@ class Contact:
         treatment = TREATMENTS[METHODS[self.method].unknowns]
         slides = self.friction > 0 and treatment is Treatment.CONDENSED
         return Treatment.SLIDING if slides else treatment
+
+    @property
+    def clearance(self) -> float:
+        """Gap from which the surfaces touch [m]: zero unless the method softens them."""
+        softens = METHODS[self.method].uses(CLEARANCE.name)
+        return float(self.setting(CLEARANCE.name)) if softens else 0.0
 
     def setting(self, key: str) -> Setting:
         """Return the value of a key of the method."""

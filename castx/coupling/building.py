@@ -95,6 +95,7 @@ def build_problem(
             interface.name,
             pairs[interface.name],
             contacts.index(interface) if mechanics is not None and interface in contacts else None,
+            _contact(interface).clearance if interface in contacts else 0.0,
         )
         for interface in case.interfaces
     ]

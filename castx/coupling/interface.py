@@ -24,11 +24,13 @@ class CoupledInterface:
         name: "secondary/primary".
         pairs: its node pairs.
         contact: number of the interface among those with contact; None: it has none.
+        clearance: gap from which its surfaces touch [m].
     """
 
     name: str
     pairs: NodePairs
     contact: int | None
+    clearance: float = 0.0
 
 
 class Interfaces:
@@ -54,7 +56,7 @@ class Interfaces:
         self.areas: FloatArray = np.concatenate(
             [np.zeros(0), *(np.asarray(interface.pairs.areas) for interface in described)]
         )
-        self._initial = [state.clipped() for state in self.states]
+        self._initial = self._clipped(self.states)
         self._gap_rates: list[FloatArray] = [np.zeros(len(s.gap)) for s in self.states]
         self.committed_step = 1.0
         self._committed = list(self.states)
@@ -84,25 +86,31 @@ class Interfaces:
         return self._thermal(self._committed)
 
     def _thermal(self, states: Sequence[PairState]) -> list[PairState]:
-        if self._scheme in WITH_FEEDBACK:
-            return [state.clipped() for state in states]
-        return self._initial
+        return self._clipped(states) if self._scheme in WITH_FEEDBACK else self._initial
+
+    def _clipped(self, states: Sequence[PairState]) -> list[PairState]:
+        return [
+            state.clipped(interface.clearance)
+            for state, interface in zip(states, self.described, strict=True)
+        ]
+
+    def _changes(self) -> list[FloatArray]:
+        """Return the changes of open gaps in the trial step [m], shape (pairs,) each."""
+        both = zip(self._clipped(self.states), self._clipped(self._committed), strict=True)
+        return [new.gap - old.gap for new, old in both]
 
     def largest_change(self) -> float:
         """Return the largest change of an open gap in the trial step on this rank [m]."""
-        changes = [
-            np.abs(new.clipped().gap - old.clipped().gap)
-            for new, old in zip(self.states, self._committed, strict=True)
-        ]
-        return float(max((change.max(initial=0.0) for change in changes), default=0.0))
+        changes = (np.abs(change).max(initial=0.0) for change in self._changes())
+        return float(max(changes, default=0.0))
 
     def first_guess(self, step: float) -> list[PairState]:
         """Return the states with which heat begins a step [s]: gaps extrapolated in time."""
         if self._scheme != "iterated":
             return self.thermal_at_start()
         return [
-            PairState.of(state.clipped().gap + step * rate, state.pressure)
-            for state, rate in zip(self._committed, self._gap_rates, strict=True)
+            PairState.of(state.gap + step * rate, state.pressure)
+            for state, rate in zip(self._clipped(self._committed), self._gap_rates, strict=True)
         ]
 
     def commit(self, step: float) -> None:
@@ -111,10 +119,7 @@ class Interfaces:
         Args:
             step: size of the accepted step [s].
         """
-        self._gap_rates = [
-            np.asarray((new.clipped().gap - old.clipped().gap) / step, dtype=np.float64)
-            for new, old in zip(self.states, self._committed, strict=True)
-        ]
+        self._gap_rates = [change / step for change in self._changes()]
         self._committed, self.committed_step = list(self.states), step
         self._committed_resistances = list(self.resistances)
 

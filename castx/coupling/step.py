@@ -81,7 +81,7 @@ class CoupledProblem:
         heated = mechanics.bodies if mechanics and scheme in WITH_FEEDBACK else {}
         self._dissipation = Dissipation(comm, heated)
         self.interfaces = Interfaces(interfaces, scheme)
-        self.interfaces.begin(self._resistances([s.clipped() for s in self.interfaces.states]))
+        self.interfaces.begin(self._resistances(self.interfaces.thermal()))
         self._thermal_change = ThermalChange(comm, heat, self.volumes, flowing(mechanics))
         # Nothing has moved yet, so that any step gives the stress of the initial state.
         self._update_bodies(self.interfaces.committed_step)

@@ -45,13 +45,18 @@ class PairState:
         )
         return found.clipped()
 
-    def clipped(self) -> Self:
+    def clipped(self, clearance: float = 0.0) -> Self:
         """Return the state that heat transfer depends on: no overlap, no gap of closed pairs.
 
         Gaps and pressures are not negative, gaps of closed pairs zero, and pairs without a gap
-        closed.
+        closed. Gaps begin where the surfaces cease to touch: rough ones do so at a distance, and
+        heat would jump there.
+
+        Args:
+            clearance: gap from which the surfaces touch [m].
         """
-        gap = np.maximum(np.where(self.closed, 0.0, self.gap), 0.0, dtype=np.float64)
+        beyond = self.gap - clearance
+        gap = np.maximum(np.where(self.closed, 0.0, beyond), 0.0, dtype=np.float64)
         pressure = np.maximum(self.pressure, 0.0, dtype=np.float64)
         return replace(self, gap=gap, pressure=pressure, closed=gap <= 0.0)
 

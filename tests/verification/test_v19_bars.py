@@ -7,6 +7,7 @@ of the cells, since the thermal strain varies inside them: by O(h).
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -95,6 +96,21 @@ def test_open_bars(comm, bars, options):
     assert found["q"][0] == pytest.approx(exact["q"], rel=1e-4)
     for face in ("casting", "mould"):
         assert found[face] == pytest.approx(exact[face], rel=1e-4)
+
+
+@pytest.mark.parametrize("clearance", [1e-5, 3e-5])
+@pytest.mark.parametrize("bars", [OPEN, GLOWING_SERIES])
+def test_surfaces_that_soften_conduct_by_what_is_open_beyond_their_clearance(comm, bars, clearance):
+    """Heat sees the gap of bars that begin nearer to each other by the clearance."""
+    data = case(bars, "plane-strain", "mixed", "exponential", 0.005)
+    data["interfaces"][0]["contact"]["clearance"] = clearance
+    found = answers(coupled_cases.states(comm, data))
+    exact = replace(bars, gap=bars.gap - clearance).exact()
+    assert exact["gap"] > clearance
+    assert found["p"] == pytest.approx(0.0, abs=0.0)
+    assert found["gap"] == pytest.approx(exact["gap"] + clearance, rel=1e-4)
+    assert found["h"] == pytest.approx(exact["h"], rel=1e-4)
+    assert found["q"][0] == pytest.approx(exact["q"], rel=1e-4)
 
 
 def test_pressures_of_the_pairs_converge(comm):

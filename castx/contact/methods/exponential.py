@@ -63,7 +63,8 @@ CLEARANCE = Key(
     "clearance",
     Quantity(LENGTH, above=0.0),
     1e-5,
-    "Gap c [m] from which surfaces begin to touch, of the size of their roughness.",
+    "Gap c [m] from which surfaces begin to touch, of the size of their roughness; heat counts "
+    "gaps from there.",
     common=False,
 )
 

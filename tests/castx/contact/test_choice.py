@@ -26,6 +26,13 @@ def test_defaults():
     }
 
 
+def test_surfaces_touch_from_the_clearance_of_a_method_that_softens_them():
+    soft = Contact("a", "b", "exponential")
+    assert soft.clearance == soft.setting("clearance") > 0.0
+    assert Contact("a", "b", "exponential", settings={"clearance": 3e-5}).clearance == 3e-5
+    assert all(Contact("a", "b", m).clearance == 0.0 for m in METHODS if m != "exponential")
+
+
 def test_a_given_setting_is_taken():
     assert Contact("a", "b", "penalty", settings={"penalty": 1e12}).setting("penalty") == 1e12
 

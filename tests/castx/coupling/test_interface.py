@@ -19,12 +19,12 @@ START = np.array([0.0, 1e-4, -2e-5])
 AREAS = np.array([1e-6, 2e-6, 4e-6])
 
 
-def described(name: str, contact: int | None) -> CoupledInterface:
+def described(name: str, contact: int | None, clearance: float = 0.0) -> CoupledInterface:
     numbering = Numbering(f"pairs of {name}", np.arange(3), 3, tuple(name.split("/")))
     pairs = SimpleNamespace(
         area_vectors=np.ones((3, 2)), areas=AREAS, numbering=numbering, gap=START
     )
-    return CoupledInterface(name, pairs, contact)  # type: ignore[arg-type]
+    return CoupledInterface(name, pairs, contact, clearance)  # type: ignore[arg-type]
 
 
 def interfaces(scheme: str) -> Interfaces:
@@ -81,6 +81,20 @@ def test_the_first_guess_of_the_iteration_extrapolates_the_gaps(scheme):
     expected = [5.5e-5, 0.0, 11e-5] if scheme == "iterated" else [4e-5, 0.0, 8e-5]
     np.testing.assert_allclose(guess.gap, expected, rtol=1e-12)
     np.testing.assert_array_equal(guess.pressure, [0.0, 5e6, 0.0])
+
+
+def test_heat_counts_gaps_from_where_the_surfaces_cease_to_touch():
+    found = Interfaces([described("casting/mould", 0, clearance=2e-5)], "iterated")
+    np.testing.assert_allclose(found.thermal()[0].gap, [0.0, 8e-5, 0.0], rtol=1e-12)
+    for gap in (3e-5, 5e-5):
+        found.update([moved(gap)])
+        found.commit(2.0)
+    np.testing.assert_allclose(found.thermal()[0].gap, [3e-5, 0.0, 8e-5], rtol=1e-12)
+    np.testing.assert_allclose(found.first_guess(1.0)[0].gap, [4e-5, 0.0, 10e-5], rtol=1e-12)
+    np.testing.assert_array_equal(found.states[0].gap, [5e-5, -1e-12, 10e-5])
+    found.update([moved(1e-5)])
+    assert found.thermal()[0].closed.all()
+    assert found.largest_change() == pytest.approx(8e-5), "all that is open closes"
 
 
 def test_a_gap_that_would_become_negative_is_closed_in_the_guess():

@@ -30,6 +30,14 @@ def test_clipped_closes_what_has_no_gap_and_takes_the_gap_of_what_is_closed():
     np.testing.assert_array_equal(found.force, 1.0)
 
 
+def test_gaps_begin_where_the_surfaces_cease_to_touch():
+    gap, none = np.array([1e-5, 3e-5, 5e-5]), np.zeros(3)
+    state = PairState(gap, none, np.array([True, False, False]), np.zeros((3, 2)), none)
+    found = state.clipped(3e-5)
+    np.testing.assert_allclose(found.gap, [0.0, 0.0, 2e-5], rtol=1e-12)
+    np.testing.assert_array_equal(found.closed, [True, True, False])
+
+
 def test_some_of_the_pairs():
     force = np.arange(6.0).reshape(3, 2)
     values, closed = np.arange(3.0), np.arange(3) < 1
