@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from mpi4py import MPI
+
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.coupling.quasi_newton import QuasiNewton
 
 AITKEN_BOUNDS = (0.05, 1.5)
 PLAIN = 1.0
@@ -15,6 +18,8 @@ ROUND, PROGRESS = 6, 0.5
 """Passes in which the least change has to fall to this share of the least one before."""
 LEAST_SHARE = 0.1
 """An iterate is not relaxed below this share of the smaller of its two last values."""
+ALONE = 5
+"""Passes in which each pair follows itself alone; from then on they are foreseen together."""
 
 
 class Relaxation:
@@ -26,14 +31,21 @@ class Relaxation:
     takes a fourth more passes where a feeder curls off its chill.
 
     x + ω r with r = found − tried and ω ← −ω r_old/(r − r_old), within bounds.
+
+    Where a few pairs hang on the heat of each other, as in coarse castings at a good wall, that
+    goes round. Steps that have not come to an end after some passes go on by quasi-Newton steps.
+
+    Args:
+        comm: ranks that share the pairs.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, comm: MPI.Intracomm) -> None:
         self._factor: FloatArray | float = PLAIN
         self._residual: FloatArray | None = None
+        self._together, self._passes = QuasiNewton(comm), 0
 
     def next(self, tried: FloatArray, found: FloatArray) -> FloatArray:
-        """Return the next iterate, which is positive.
+        """Return the next iterate, which is positive; collective.
 
         Args:
             tried: the last iterate on this rank.
@@ -44,7 +56,11 @@ class Relaxation:
         if self._residual is not None:
             self._factor = _secant(self._factor, self._residual, residual)
         self._residual = residual
+        self._together.add(tried, found)
+        self._passes += 1
         relaxed = tried + self._factor * residual
+        if self._passes > ALONE:
+            relaxed = np.minimum(self._together.wanted(), np.maximum(tried, found) / LEAST_SHARE)
         least = LEAST_SHARE * np.minimum(tried, found)
         return np.where(finite, np.maximum(relaxed, least), found)
 

@@ -121,7 +121,7 @@ class CoupledProblem:
         self._step = step
         guess = self.interfaces.first_guess(step)
         factors: list[FloatArray] = [np.ones(len(state.gap)) for state in guess]
-        relaxation = Relaxation()
+        relaxation = Relaxation(self.comm)
         self.counters.begin_try()
         passes = Passes(self._tolerance, too_much)
         for _ in range(self._most_passes):
