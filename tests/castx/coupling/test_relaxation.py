@@ -1,14 +1,21 @@
 """Aitken's relaxation of the passes: what alternates contracts and stays positive."""
 
+from mpi4py import MPI
+
 import numpy as np
 import pytest
 
-from castx.coupling.relaxation import LEAST_SHARE, Relaxation, goes_round
+from castx.coupling.relaxation import ALONE, LEAST_SHARE, Relaxation, goes_round
+
+
+def new() -> Relaxation:
+    """Return the relaxation of pairs that are all on this rank."""
+    return Relaxation(MPI.COMM_SELF)
 
 
 def iterate(map_, start, passes: int, relaxed: bool = True):
     """Return the iterates of x = map(x)."""
-    relaxation, iterates = Relaxation(), [np.asarray(start, dtype=float)]
+    relaxation, iterates = new(), [np.asarray(start, dtype=float)]
     for _ in range(passes):
         found = map_(iterates[-1])
         iterates.append(relaxation.next(iterates[-1], found) if relaxed else found)
@@ -16,7 +23,7 @@ def iterate(map_, start, passes: int, relaxed: bool = True):
 
 
 def test_first_iterate_is_plain():
-    assert Relaxation().next(np.array([1.0]), np.array([1.2])) == pytest.approx([1.2])
+    assert new().next(np.array([1.0]), np.array([1.2])) == pytest.approx([1.2])
 
 
 @pytest.mark.parametrize("slope", [-0.2, -0.9, -1.0, -1.5, 0.3])
@@ -52,7 +59,7 @@ def test_a_residual_that_grows_is_followed():
 
 def test_iterates_stay_positive():
     """A resistance that jumps down to a tiny one must not be extrapolated below zero."""
-    relaxation = Relaxation()
+    relaxation = new()
     tried = np.array([1.0, 1.0])
     found = np.array([1e-3, 0.9])
     for _ in range(10):
@@ -63,7 +70,7 @@ def test_iterates_stay_positive():
 
 
 def test_infinite_resistances_pass_through():
-    relaxation = Relaxation()
+    relaxation = new()
     for found in ([np.inf, 2.0], [np.inf, 1.8], [3.0, 1.9]):
         given = relaxation.next(np.array([np.inf, 1.0]), np.array(found))
         assert given[0] == found[0]
@@ -91,13 +98,35 @@ def test_pairs_that_share_their_heat_converge():
     assert np.abs(plain[-1] - 5.0).max() > 1.0
 
 
+def test_pairs_that_hang_on_each_other_more_than_on_themselves_are_foreseen_together():
+    """Secants of each alone, which is all that the first passes have, lead away from it."""
+    share = np.array([[-0.5, -1.3, 0.4], [1.2, -0.3, -1.1], [-0.7, 0.9, -0.4]])
+
+    def passes(x):
+        return 5.0 * np.exp(share @ np.log(x / 5.0))
+
+    iterates = iterate(passes, [5.6, 5.5, 4.7], ALONE + 4)
+    assert np.abs(iterates[ALONE] - 5.0).max() > 0.5
+    assert iterates[-1] == pytest.approx(5.0, rel=1e-9)
+
+
+def test_pairs_that_are_foreseen_together_change_tenfold_at_most():
+    """A residual that falls by a four-hundredth a pass would be followed by a factor of e^4."""
+    relaxation, wanted = new(), np.zeros(1)
+    for n in range(ALONE + 1):
+        tried = np.exp([0.01 * n])
+        found = tried * np.exp(0.2 - 5e-4 * n)
+        wanted = relaxation.next(tried, found)
+    assert wanted == pytest.approx(found / LEAST_SHARE, rel=1e-9)
+
+
 @pytest.mark.serial
 @pytest.mark.parametrize(
     ("residuals", "factor"), [((0.2, 0.19), 1.5), ((0.2, 0.25), 1.0), ((0.2, -20.0), 0.05)]
 )
 def test_the_factor_stays_within_its_bounds(residuals, factor):
     """Aitken's would be 20, -4 and 0.0099; with a negative one the state lies ahead."""
-    relaxation, tried = Relaxation(), np.array([100.0])
+    relaxation, tried = new(), np.array([100.0])
     for residual in residuals:
         before, tried = tried, relaxation.next(tried, tried + residual)
     assert tried - before == pytest.approx(factor * residuals[-1], rel=1e-9)
