@@ -119,7 +119,7 @@ class Interfaces:
         Args:
             step: size of the accepted step [s].
         """
-        self._gap_rates = [change / step for change in self._changes()]
+        self._gap_rates = [np.asarray(change / step) for change in self._changes()]
         self._committed, self.committed_step = list(self.states), step
         self._committed_resistances = list(self.resistances)
 

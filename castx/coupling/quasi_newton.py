@@ -41,7 +41,8 @@ class _Pass(NamedTuple):
 class QuasiNewton:
     """Resistances at which the residuals of the last passes, combined, would be least.
 
-    In logarithms, since a pair that touches and one that has left differ by orders of magnitude.
+    x ← F + Σ α_k ΔF_k with |r + Σ α_k Δr_k| least over all pairs, x = ln R, r = F − x. Logarithms,
+    since a pair that touches and one that has left differ by orders of magnitude.
 
     Args:
         comm: ranks that share the pairs.

@@ -129,7 +129,7 @@ class FakeMechanics:
 def fake_problem(scheme="iterated", slope=1.0, tolerance=1e-10, passes=40, law=None):
     """Return a problem with R = 1 + gap (or another law) and the gap after a time, see below."""
     interface = SimpleNamespace(
-        name="casting/mould", contact=0,
+        name="casting/mould", contact=0, clearance=0.0,
         pairs=SimpleNamespace(area_vectors=np.ones((1, 2)), areas=np.ones(1), gap=np.zeros(1)),
     )  # fmt: skip
     heat = FakeHeat(law or (lambda gap, pressure: 1.0 + gap))
