@@ -23,14 +23,27 @@ def freezing(run: Results) -> Iterator[Finding]:
         known = np.flatnonzero(np.isfinite(fraction))
         solid = np.flatnonzero(fraction >= FULLY_SOLID)
         if solid.size == 0:
-            last = int(known[-1])
-            yield still_liquid(run, body, float(time[last]), 1.0 - float(fraction[last]))
+            out = taken_out(run, body)
+            there = known if out is None else known[time[known] <= out]
+            last = int(there[-1])
+            liquid = 1.0 - float(fraction[last])
+            yield still_liquid(run, body, float(time[last]), liquid, is_out=out is not None)
             continue
         before, after = float(time[max(solid[0] - 1, 0)]), float(time[solid[0]])
         yield last_liquid(run, body, before, after)
 
 
-def still_liquid(run: Results, body: str, time: float, liquid: float) -> Finding:
+def taken_out(run: Results, body: str) -> float | None:
+    """Return when a body was removed for good [s]; None: it is there at the end."""
+    changes = run.record.get("process", [])
+    if not changes or body in changes[-1]["bodies"]:
+        return None
+    return float(max(change["time"] for change in changes if body in change["removed"]))
+
+
+def still_liquid(
+    run: Results, body: str, time: float, liquid: float, *, is_out: bool = False
+) -> Finding:
     """Return the finding of a casting that is not all solid at the end.
 
     Args:
@@ -38,10 +51,13 @@ def still_liquid(run: Results, body: str, time: float, liquid: float) -> Finding
         body: the casting.
         time: of its last state [s].
         liquid: its share of liquid then.
+        is_out: whether it was removed then.
     """
+    told = f"{body} has not frozen when the run ends: a longer one tells what freezes last."
+    if is_out:
+        told = f"{body} was removed at {seconds_text(time)}, before it had frozen."
     return Finding(
-        STILL_LIQUID, body, liquid, "%",
-        f"{body} has not frozen when the run ends: a longer one tells what freezes last.",
+        STILL_LIQUID, body, liquid, "%", told,
         factor=100.0, place=last_place(run, body, time), time=time,
         shown=Shown("solid_fraction", (body,), time),
     )  # fmt: skip

@@ -7,6 +7,7 @@ from castx.meshes.generators.declaration import PLANE_MODELS
 UNITS = {
     "time": "s", "step": "s", "wall": "s",
     "enthalpy": "J", "heat_in": "J", "heat": "J", "power": "W",
+    "dissipation": "J", "source": "J", "renewal": "J",
     "feeding_demand": "m³", "fed_volume": "m³", "opened_volume": "m³", "yielded_volume": "m³",
     "unfed_volume": "m³", "pipe_volume": "m³",
     "pocket_pressure": "Pa", "melt_suction": "Pa", "suction": "Pa",
@@ -29,6 +30,7 @@ def unit_of(column: str, model: str) -> str:
         column: its name, such as "casting/mould.force.z".
         model: the geometric model; plane ones have what adds up per metre of depth.
     """
-    owner, _, quantity = column.partition(".")
-    unit = UNITS.get((quantity or owner).partition(".")[0], "1")
+    owner, *words = column.split(".")
+    # The first word that has one: names of surfaces, and parts of a heat, stand behind it.
+    unit = next((UNITS[word] for word in words or [owner] if word in UNITS), "1")
     return f"{unit}/m" if model in PLANE_MODELS and unit in PER_DEPTH else unit

@@ -57,6 +57,20 @@ def test_a_casting_that_is_not_solid_says_how_much_is_liquid():
     assert last.topic == STILL_LIQUID and last.number == "25 %" and last.time == 3.0
 
 
+@pytest.mark.parametrize(("renewed", "time"), [([], 2.0), (["casting"], 3.0)])
+def test_a_casting_that_is_removed_before_it_is_solid_freezes_in_no_longer_run(renewed, time):
+    history = Columns({"time": TIME, "casting.solid_fraction": np.array([0.0, 0.2, 0.5, 0.5])})
+    found = run(history=history)
+    found.record["process"] = [
+        {"time": 2.0, "bodies": ["mould"], "removed": {"casting": 0.5}, "renewed": []},
+        {"time": 2.5, "bodies": ["mould", *renewed], "removed": {}, "renewed": renewed},
+    ]
+    (last,) = freezing(found)
+    assert last.topic == STILL_LIQUID and last.number == "50 %" and last.time == time
+    assert ("longer one" in last.sentence) == bool(renewed)
+    assert ("removed at 2 s" in last.sentence) != bool(renewed)
+
+
 def test_fields_before_a_moment_are_shown():
     assert earlier([0.0, 5.0, 10.0], 10.0) == 5.0
     assert earlier([3.0], 1.0) == 3.0
