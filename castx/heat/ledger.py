@@ -229,9 +229,9 @@ class Ledger:
         """Return the committed numbers by name.
 
         "BODY.enthalpy" [J], zero for the solid at 0 °C; "BODY.heat_in" [J], what new bodies bring
-        included, and "BODY.power" [W], through all mechanisms; the accounts by their names: heat [J], and power [W], the mean over
-        the last step; "energy_error", the largest error of the balance of a body or of all,
-        relative to the heat moved in all.
+        included, and "BODY.power" [W], through all mechanisms; the accounts by their names: heat
+        [J], and power [W], the mean over the last step; "energy_error", the largest error of the
+        balance of a body or of all, relative to the heat moved in all.
         """
         bodies = len(self._bodies)
         enthalpy, heat, moved = (

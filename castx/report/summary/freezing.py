@@ -35,7 +35,8 @@ def freezing(run: Results) -> Iterator[Finding]:
 
 def taken_out(run: Results, body: str) -> float | None:
     """Return when a body was removed for good [s]; None: it is there at the end."""
-    changes = run.record.get("process", [])
+    # The last event of a run that was periodic, or might have become so, changes nothing.
+    changes = [event for event in run.record.get("process", []) if "removed" in event]
     if not changes or body in changes[-1]["bodies"]:
         return None
     return float(max(change["time"] for change in changes if body in change["removed"]))

@@ -64,6 +64,7 @@ def test_a_casting_that_is_removed_before_it_is_solid_freezes_in_no_longer_run(r
     found.record["process"] = [
         {"time": 2.0, "bodies": ["mould"], "removed": {"casting": 0.5}, "renewed": []},
         {"time": 2.5, "bodies": ["mould", *renewed], "removed": {}, "renewed": renewed},
+        {"time": 3.0, "bodies": [], "periodic": False},
     ]
     (last,) = freezing(found)
     assert last.topic == STILL_LIQUID and last.number == "50 %" and last.time == time
