@@ -66,7 +66,8 @@ class QuasiNewton:
     def wanted(self) -> FloatArray:
         """Return the next resistances [m² K/W], shape (pairs,); collective.
 
-        They mean nothing for pairs that did not conduct in one of the passes.
+        They mean nothing for pairs that did not conduct in one of the passes, and are infinite
+        where they would overflow.
         """
         *others, last = self._passes
         counted = np.logical_and.reduce([each.conducts for each in self._passes])
@@ -80,4 +81,5 @@ class QuasiNewton:
         products = np.column_stack([of_residual @ of_residual.T, of_residual @ residual])
         products = self._comm.allreduce(products, op=MPI.SUM)
         shares = -np.linalg.pinv(products[:, :-1], INDEPENDENT, hermitian=True) @ products[:, -1]
-        return np.asarray(np.exp(found + shares @ of_found))
+        with np.errstate(over="ignore"):
+            return np.asarray(np.exp(found + shares @ of_found))

@@ -46,6 +46,14 @@ def test_passes_farther_back_are_forgotten():
     assert after(tried, found).wanted() == pytest.approx(FIXED, rel=1e-9)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_residual_that_hardly_falls_leads_far_away_without_a_warning():
+    """By e^{1000} and e^{-1000}."""
+    tried = np.exp([[0.0, 0.0], [1.0, -1.0]])
+    found = np.exp([[1.001, -1.001], [2.0, -2.0]])
+    assert after(tried, found).wanted() == pytest.approx([np.inf, 0.0])
+
+
 @pytest.mark.parametrize("dead", [0.0, np.inf])
 def test_pairs_that_did_not_conduct_say_nothing_of_the_others(dead):
     column = np.full((len(TRIED), 1), 3.0)
