@@ -76,7 +76,7 @@ class QuasiNewton:
             [np.where(counted, each.found, 0.0) - found,
              np.where(counted, each.residual, 0.0) - residual]
             for each in others
-        ]).reshape(-1, 2, len(found))  # fmt: skip
+        ]).reshape(len(others), 2, len(found))  # fmt: skip
         of_found, of_residual = changes[:, 0], changes[:, 1]
         products = np.column_stack([of_residual @ of_residual.T, of_residual @ residual])
         products = self._comm.allreduce(products, op=MPI.SUM)

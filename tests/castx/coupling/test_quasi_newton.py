@@ -64,7 +64,9 @@ def test_pairs_that_did_not_conduct_say_nothing_of_the_others(dead):
 
 
 @pytest.mark.ranks
-def test_ranks_share_their_pairs(comm):
-    own = np.arange(3) % comm.size == comm.rank
+@pytest.mark.parametrize("ranks", [1, None])
+def test_ranks_share_their_pairs(comm, ranks):
+    """All of them or one."""
+    own = np.arange(3) % (ranks or comm.size) == comm.rank
     found = after(TRIED[:, own], FOUND[:, own], comm).wanted()
     assert found == pytest.approx(FIXED[own], rel=1e-9)
