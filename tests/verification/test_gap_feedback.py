@@ -73,6 +73,9 @@ def test_passes(comm, data):
 
 @pytest.mark.serial
 def test_without_acceleration_it_fails(comm, monkeypatch):
+    """Quasi-Newton steps alone lead to the end too."""
     monkeypatch.setattr("castx.coupling.relaxation.AITKEN_BOUNDS", (1.0, 1.0))
+    assert list(simulation(comm, bars(FEEDBACK)))[-1].time == 100.0
+    monkeypatch.setattr("castx.coupling.relaxation.ALONE", 40)
     with pytest.raises(ConvergenceError, match="no longer came closer to each other in 12 passes"):
         list(simulation(comm, bars(FEEDBACK)))
