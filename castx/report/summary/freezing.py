@@ -55,12 +55,15 @@ def still_liquid(
         is_out: whether it was removed then.
     """
     told = f"{body} has not frozen when the run ends: a longer one tells what freezes last."
+    followed = None
     if is_out:
         told = f"{body} was removed at {seconds_text(time)}, before it had frozen."
+        # Of later cycles there are no fields of the casting.
+        followed = run.record.get("last_liquid", {}).get(body)
+    place = last_place(run, body, time) if followed is None else followed["place"]
     return Finding(
         STILL_LIQUID, body, liquid, "%", told,
-        factor=100.0, place=last_place(run, body, time), time=time,
-        shown=Shown("solid_fraction", (body,), time),
+        factor=100.0, place=place, time=time, shown=Shown("solid_fraction", (body,), time),
     )  # fmt: skip
 
 

@@ -66,8 +66,10 @@ def test_a_casting_that_is_removed_before_it_is_solid_freezes_in_no_longer_run(r
         {"time": 2.5, "bodies": ["mould", *renewed], "removed": {}, "renewed": renewed},
         {"time": 3.0, "bodies": [], "periodic": False},
     ]
+    found.record["last_liquid"] = {"casting": {"time": time, "place": [0.013, 0.002]}}
     (last,) = freezing(found)
     assert last.topic == STILL_LIQUID and last.number == "50 %" and last.time == time
+    assert (last.place == [0.013, 0.002]) != bool(renewed)
     assert ("longer one" in last.sentence) == bool(renewed)
     assert ("removed at 2 s" in last.sentence) != bool(renewed)
 
