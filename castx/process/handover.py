@@ -54,11 +54,12 @@ def left_total(name: str, value: float) -> float:
         name: column of the total.
         value: its last value.
     """
-    quantity = name.partition(".")[2].partition(".")[0]
+    owner, _, rest = name.partition(".")
+    quantity = (rest or owner).removeprefix("surface.").partition(".")[0]
     if quantity.partition("_")[2] in ("gap", "temperature"):
         return float("nan")
     gone = (
         "closed_fraction", "suction", "force", "force_error", "power", "ejection_force",
-        "clamp_force",
+        "clamp_force", "support_force", "support_moment", "largest_pull",
     )  # fmt: skip
-    return 0.0 if quantity in gone or name in ("support_force", "largest_pull") else value
+    return 0.0 if quantity in gone else value
