@@ -12,6 +12,11 @@ leave it. Therefore the passing is the mean of three: half of when the front is 
 quarter each of when it enters and when it leaves the control volume. Within a step of implicit
 Euler all enthalpies fall linearly, and the time is found where the two agree, so that it also holds
 when a front passes several nodes in one step.
+
+Near the liquidus of an alloy the profile bends within a cell, with the heat that freezes the first
+solid. Straight lines to the neighbours make the front late there; the temperature of the node alone
+makes it early by more where half freezes within 1 K: by 4 s in place of 2 s of 19 s at the
+insulated end of ten cells with k = 0.9, where melt rests within 1.5 mK of its liquidus for 5 s.
 """
 
 from __future__ import annotations
