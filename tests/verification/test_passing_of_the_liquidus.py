@@ -54,13 +54,15 @@ def reference(partition: float) -> tuple[FloatArray, FloatArray, float]:
     widths: FloatArray = np.full(cells + 1, size)
     widths[[0, -1]] *= 0.5
     enthalpy: FloatArray = np.full(cells + 1, np.interp(START, temperatures[2:], heights[2:]))
-    times, near, time = np.full((len(FRACTIONS), cells + 1), np.nan), np.nan, 0.0
+    places: FloatArray = np.linspace(0.0, LENGTH, cells + 1, dtype=np.float64)
+    times: FloatArray = np.full((len(FRACTIONS), cells + 1), np.nan)
+    near, time = np.nan, 0.0
     flux = np.zeros(cells + 2)
     while np.isnan(times).any():
         temperature = np.interp(enthalpy, heights, temperatures)
         frozen = np.interp(enthalpy, heights, solid)
-        for passing, fraction in zip(times, FRACTIONS, strict=True):
-            passing[np.isnan(passing) & (frozen >= fraction)] = time
+        for row, fraction in enumerate(FRACTIONS):
+            times[row, np.isnan(times[row]) & (frozen >= fraction)] = time
         if np.isnan(near) and temperature[-1] < LIQUIDUS + NEAR:
             near = time
         conductivity = frozen * K_SOLID + (1.0 - frozen) * K_LIQUID
@@ -69,7 +71,7 @@ def reference(partition: float) -> tuple[FloatArray, FloatArray, float]:
         flux[0] = -COEFFICIENT * (temperature[0] - AMBIENT)
         enthalpy -= step * np.diff(flux) / widths
         time += step
-    return size * np.arange(cells + 1), times, near
+    return places, times, near
 
 
 def passing_times(comm, partition, size, fractions):
