@@ -69,17 +69,12 @@ class QuasiNewton:
         They mean nothing for pairs that did not conduct in one of the passes, and are infinite
         where they would overflow.
         """
-        *others, last = self._passes
         counted = np.logical_and.reduce([each.conducts for each in self._passes])
-        found, residual = (np.where(counted, part, 0.0) for part in last[:2])
-        changes = np.array([
-            [np.where(counted, each.found, 0.0) - found,
-             np.where(counted, each.residual, 0.0) - residual]
-            for each in others
-        ]).reshape(len(others), 2, len(found))  # fmt: skip
-        of_found, of_residual = changes[:, 0], changes[:, 1]
-        products = np.column_stack([of_residual @ of_residual.T, of_residual @ residual])
+        found = counted * np.array([each.found for each in self._passes])
+        residual = counted * np.array([each.residual for each in self._passes])
+        of_found, of_residual = found[:-1] - found[-1], residual[:-1] - residual[-1]
+        products = np.column_stack([of_residual @ of_residual.T, of_residual @ residual[-1]])
         products = self._comm.allreduce(products, op=MPI.SUM)
         shares = -np.linalg.pinv(products[:, :-1], INDEPENDENT, hermitian=True) @ products[:, -1]
         with np.errstate(over="ignore"):
-            return np.asarray(np.exp(found + shares @ of_found))
+            return np.asarray(np.exp(found[-1] + shares @ of_found))

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
+from castx.results.files.column_units import quantity_of
 from castx.stateful import Array, Saved
 
 
@@ -54,8 +55,7 @@ def left_total(name: str, value: float) -> float:
         name: column of the total.
         value: its last value.
     """
-    owner, _, rest = name.partition(".")
-    quantity = (rest or owner).removeprefix("surface.").partition(".")[0]
+    quantity = quantity_of(name)
     if quantity.partition("_")[2] in ("gap", "temperature"):
         return float("nan")
     gone = (

@@ -23,11 +23,10 @@ def freezing(run: Results) -> Iterator[Finding]:
         known = np.flatnonzero(np.isfinite(fraction))
         solid = np.flatnonzero(fraction >= FULLY_SOLID)
         if solid.size == 0:
-            out = taken_out(run, body)
-            there = known if out is None else known[time[known] <= out]
-            last = int(there[-1])
+            last, out = int(known[-1]), taken_out(run, body)
+            when = float(time[last]) if out is None else out
             liquid = 1.0 - float(fraction[last])
-            yield still_liquid(run, body, float(time[last]), liquid, is_out=out is not None)
+            yield still_liquid(run, body, when, liquid, is_out=out is not None)
             continue
         before, after = float(time[max(solid[0] - 1, 0)]), float(time[solid[0]])
         yield last_liquid(run, body, before, after)
@@ -35,11 +34,13 @@ def freezing(run: Results) -> Iterator[Finding]:
 
 def taken_out(run: Results, body: str) -> float | None:
     """Return when a body was removed for good [s]; None: it is there at the end."""
-    # The last event of a run that was periodic, or might have become so, changes nothing.
-    changes = [event for event in run.record.get("process", []) if "removed" in event]
-    if not changes or body in changes[-1]["bodies"]:
-        return None
-    return float(max(change["time"] for change in changes if body in change["removed"]))
+    out: float | None = None
+    for event in run.record.get("process", []):
+        if body in event.get("removed", {}):
+            out = float(event["time"])
+        elif body in event["bodies"]:
+            out = None
+    return out
 
 
 def still_liquid(

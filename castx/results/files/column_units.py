@@ -23,6 +23,15 @@ PER_DEPTH = ("J", "W", "m³", "N", "N m")
 """Units of what a plane model has for a metre of depth."""
 
 
+def quantity_of(column: str) -> str:
+    """Return the quantity of a column of history.csv: "force" of "casting/mould.force.z".
+
+    Surfaces that are bare in a stage have the names of interfaces: "casting/mould.surface.heat".
+    """
+    owner, _, rest = column.partition(".")
+    return (rest or owner).removeprefix("surface.").partition(".")[0]
+
+
 def unit_of(column: str, model: str) -> str:
     """Return the unit of a column of history.csv, "1" of numbers and shares.
 
@@ -30,7 +39,5 @@ def unit_of(column: str, model: str) -> str:
         column: its name, such as "casting/mould.force.z".
         model: the geometric model; plane ones have what adds up per metre of depth.
     """
-    owner, *words = column.split(".")
-    # The first word that has one: names of surfaces, and parts of a heat, stand behind it.
-    unit = next((UNITS[word] for word in words or [owner] if word in UNITS), "1")
+    unit = UNITS.get(quantity_of(column), "1")
     return f"{unit}/m" if model in PLANE_MODELS and unit in PER_DEPTH else unit
