@@ -32,10 +32,11 @@ from castx.domain.measures import cell_measure
 from castx.domain.mesh import BodyMesh
 from castx.forms.momentum import PointState
 from castx.input.units import plain_text
+from castx.materials.material import Material
 from castx.materials.thermal_strain import liquid_shrinkage
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.liquid.content import Content
-from castx.mechanics.liquid.feeding_paths import FeedingPaths
+from castx.mechanics.liquid.feeding_paths import CutOff, FeedingPaths
 from castx.mechanics.liquid.pores import SLACK, Pores
 from castx.mechanics.liquid.pressures import PocketPressures
 from castx.mechanics.liquid.stiffness import (
@@ -113,7 +114,9 @@ class Pockets:
         self._pressures = PocketPressures(body, potential, cavitation)
         self._pores = Pores(self.content, body.cell_numbering)
         self._stiffness: FloatArray = np.zeros(0)
-        self._cut_off: IntArray = np.zeros(0, dtype=np.int32)
+        self._cut_off = CutOff.throughout(np.zeros(0, dtype=np.int32))
+        self._fraction: FloatArray = np.ones(len(body.parent_vertices))
+        self._trial_fraction: FloatArray = self._fraction
         self._liquid: BoolArray = np.zeros(0, dtype=bool)
         self._is_trial, self._passes = False, 0
         self._accepted = [f.x.array.copy() for f in self._functions]
@@ -147,17 +150,21 @@ class Pockets:
         """
         metal, content = material.law.material, self.content
         points, before = material.points, material.start_volume
-        shrunk = liquid_shrinkage(metal, solid_fraction)[self._cell_nodes].mean(axis=1)
         self._passes += 1
+        self._trial_fraction = solid_fraction.copy()
         if self._passes <= PASSES_TO_FIND:
-            self._cut_off = self._paths.pockets(solid_fraction, metal.fed_until)
+            self._cut_off = self._paths.cut_off(
+                self._fraction, solid_fraction, metal.fed_until, content.was_fed
+            )
             self._liquid = ~material.coherent
         dilatation = points.volumes_to_cells(before.dilatation)
         c = material.conditions
         born = before.born(c.start_share, c.share, c.solid_compressibility)
         content.begin(
-            self._cut_off, self._liquid, shrunk, dilatation, points.volumes_to_cells(born)
-        )
+            self._cut_off, self._liquid, self._shrunk(metal, 1.0),
+            self._shrunk(metal, self._cut_off.moment[:, np.newaxis]), dilatation,
+            points.volumes_to_cells(born),
+        )  # fmt: skip
         material.swell(content.swelling)
         self._pressures.begin(content)
         self._pores.begin()
@@ -172,6 +179,12 @@ class Pockets:
         there = points.cells_to_volumes(trapped)
         least = points.cells_to_volumes(NODAL_SHARE * solid)
         material.compressibility.x.array[there] = least[there]
+
+    def _shrunk(self, metal: Material, moment: FloatArray | float) -> FloatArray:
+        """Return s min(f_s, f_c) of the cells after a part of the trial step, shape (cells,)."""
+        before, after = self._fraction[self._cell_nodes], self._trial_fraction[self._cell_nodes]
+        found = liquid_shrinkage(metal, before + moment * (after - before))
+        return np.asarray(found.mean(axis=1))
 
     def stiffen(self, rows: FloatArray, columns: FloatArray) -> None:
         """Prepare the block of full pockets in the Jacobian; collective.
@@ -235,7 +248,7 @@ class Pockets:
         self.content.commit(dilatation, self._pores.open)
         self._pressures.commit(pressure())
         self._pores.commit()
-        self._passes = 0
+        self._passes, self._fraction = 0, self._trial_fraction
         self._accepted = [f.x.array.copy() for f in self._functions]
 
     def _warn_of_walls(self) -> None:
@@ -275,6 +288,7 @@ class Pockets:
         return {
             "trapped": Saved(trapped, cells),
             "given_pressure": Saved(pressure, nodes),
+            "fraction": Saved(self._fraction, nodes),
             "mean_pressure": number(self.mean_pressure, bodies=(self._body.name,)),
             **self._pressures.saved(),
             **self._pores.saved(),
@@ -284,6 +298,7 @@ class Pockets:
         """Restore a committed state."""
         self._pores.restore(arrays)
         self._accepted = [arrays[name].astype(np.float64) for name in ("trapped", "given_pressure")]
+        self._fraction = arrays["fraction"].copy()
         self._pressures.restore(arrays)
         self.mean_pressure = float(arrays["mean_pressure"])
         self.rewind()

@@ -5,7 +5,8 @@ demand of a cell of volume V in a step,
 
     D = V s Δmin(f_s, f_c),   s = (ρ_solid − ρ_liquid)/ρ_solid.
 
-A cell in reach of a free surface is fed. Of a pocket, the cells without any solid are its pool. The
+A cell in reach of a free surface is fed, up to the moment at which it is cut off in a step. Of a
+pocket, the cells without any solid are its pool. The
 content e of these cells, the volumetric strain at which they would be full, sinks by the demand of
 the whole pocket instead, and by what cells with solid round it have gained (`CellVolume.born`);
 what their volumetric strain θ exceeds it by is the void of the pocket,
@@ -25,6 +26,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, IntArray
+from castx.mechanics.liquid.feeding_paths import CutOff
 from castx.stateful import Array, Arrays, Numbering, Saved, number
 
 ALONE = -2
@@ -63,15 +65,18 @@ class Content:
         self._trial_full, self._trial_pores, self._trial_shrunk = none, none, none
         self._region: IntArray = self.pocket
         self._last_region: IntArray = self.pocket
-        self._last_count = 0
+        self._last_count = self._groups = 0
+        self._group: IntArray = self.pocket
+        self._unfed: FloatArray = none
         self._was_pool: BoolArray = np.zeros(cells, dtype=bool)
         self._liquid: BoolArray = np.zeros(cells, dtype=bool)
 
     def begin(
         self,
-        region: IntArray,
+        cut: CutOff,
         liquid: BoolArray,
         shrunk: FloatArray,
+        at_cut: FloatArray,
         dilatation: FloatArray,
         gained: FloatArray | float = 0.0,
     ) -> None:
@@ -80,20 +85,28 @@ class Content:
         The first state of all is full everywhere, whatever has frozen there.
 
         Args:
-            region: number of the cut-off region of each cell, −1: none, shape (cells,).
+            cut: what no liquid reaches, and since when in the step.
             liquid: whether a cell has no solid, shape (cells,).
             shrunk: s min(f_s, f_c) of the cells, shape (cells,).
+            at_cut: the same at the moment at which cells were cut off in the step, likewise.
             dilatation: volumetric strain of the cells at the start of the step, shape (cells,).
             gained: volumetric strain by which cells with solid take liquid of others in the step,
                 shape (cells,); one value: all alike.
         """
-        self._number(region, liquid)
+        self._number(cut.region, liquid)
         if not self._started:
             self._started = True
             self._shrunk, self._last_region = shrunk, self._region
             self._last_count, self._was_pool = len(self.pockets), self.pocket >= 0
         self._liquid, self._trial_shrunk = liquid, shrunk
-        self._fill(np.where(liquid, 0.0, gained) + shrunk - self._shrunk, dilatation)
+        newly = (self._last_region == -1) & (cut.group >= 0)
+        self._group = np.where(newly, self._last_count + cut.group, self._last_region)
+        self._groups = self._last_count + cut.groups
+        unfed = (self._last_region != -1) | (self.pocket >= 0)
+        self._unfed = np.where(newly, shrunk - at_cut, unfed * (shrunk - self._shrunk))
+        # Cells that were fed until the cut were full at the volume that they had.
+        gained = np.where(liquid | newly | ~unfed, 0.0, gained)
+        self._fill(self._unfed + gained, dilatation)
 
     def _number(self, region: IntArray, liquid: BoolArray) -> None:
         """Number the regions that have a pool; those without one are `ALONE`."""
@@ -106,14 +119,15 @@ class Content:
         self.pockets = pools[pools > 0]
 
     def _fill(self, change: FloatArray, dilatation: FloatArray) -> None:
-        pool, last = self.pocket >= 0, self._last_region
+        """Let pools lose what freezes in them and round them, by what is not fed of the change."""
+        pool, group = self.pocket >= 0, self._group
         # What freezes round a pool draws from the liquid that is left in it.
-        lost = self._sums(np.where(self._liquid, -1, last), self._last_count, change)
-        room = self._sums(np.where(pool, last, -1), self._last_count, np.ones(len(last)))
+        lost = self._sums(np.where(self._liquid, -1, group), self._groups, change)
+        room = self._sums(np.where(pool, group, -1), self._groups, np.ones(len(group)))
         share = np.divide(lost, room, out=np.zeros_like(lost), where=room > 0)
-        drawn, alone = np.zeros(len(last)), last == ALONE
-        inside = last >= 0
-        drawn[inside], alone[inside] = share[last[inside]], room[last[inside]] == 0
+        drawn, alone = np.zeros(len(group)), group == ALONE
+        inside = group >= 0
+        drawn[inside], alone[inside] = share[group[inside]], room[group[inside]] == 0
         full = np.where(self._was_pool, self._full, dilatation - self._pores)
         self._trial_full = np.where(pool, full - change - drawn, 0.0)
         self._trial_pores = np.where(self._liquid, 0.0, self._pores)
@@ -128,6 +142,11 @@ class Content:
         weights = (self._volumes * values[: len(owned)])[mine]
         sums = np.bincount(owned[mine], weights, count).astype(np.float64)
         return np.asarray(self._comm.allreduce(sums, op=MPI.SUM))
+
+    @property
+    def was_fed(self) -> BoolArray:
+        """Whether the cells were not cut off at the start of the step, shape (cells,)."""
+        return np.asarray(self._last_region == -1)
 
     @property
     def was_trapped(self) -> BoolArray:
@@ -170,8 +189,9 @@ class Content:
             porous: whether each pocket has pores, shape (pockets,).
         """
         change, pool = self._trial_shrunk - self._shrunk, self.pocket >= 0
-        fed = np.where(self._liquid, change + self._pores, change)
-        fed = np.where(pool | (~self._liquid & (self._last_region != -1)), 0.0, fed)
+        fed = change - self._unfed
+        again = self._liquid & ~pool
+        fed[again] = (change + self._pores)[again]
         fraction = self.void_fraction(dilatation)
         cells = pool.copy()
         cells[pool] = porous[self.pocket[pool]]

@@ -10,9 +10,9 @@ from castx.solvers.inner.options import FACTORS
 
 PACKAGE = str(FACTORS["pc_factor_mat_solver_type"])
 MANY_ROWS, LONG_ROWS = 1_000, 40
-"""Rows, and their mean entries, from which on dissection (PORD) serves better than least fill, which
-MUMPS takes up to 10,000 rows: in space (60) factors of 6,900 unknowns take 0.115 s for 0.151, and
-a sixth less memory; in the plane (20) those of 2,500 take as long, and their analysis three times.
+"""Rows, and their mean entries, from which on dissection (PORD) is taken, and not least fill as by
+MUMPS up to 10,000 rows: in space (60) factors of 6,900 unknowns take 0.115 s for 0.151, and a sixth
+less memory; in the plane (20) those of 2,500 take as long, and their analysis three times as long.
 Of a small matrix without a zero PORD ends the program.
 """
 ORDERING, DISSECTION = 7, 4

@@ -9,6 +9,7 @@ import pytest
 
 from castx.arrays import FloatArray
 from castx.mechanics.liquid.content import Content
+from castx.mechanics.liquid.feeding_paths import CutOff
 from castx.stateful import Numbering
 
 VOLUMES = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
@@ -21,12 +22,17 @@ def content() -> Content:
     return Content(MPI.COMM_SELF, numbering, VOLUMES)
 
 
+def throughout(region) -> CutOff:
+    """Return regions that were cut off from the start of the step."""
+    return CutOff.throughout(np.array(region, dtype=np.int32))
+
+
 def begin(cells: Content, fraction: list[float], region: list[int], solid=None, theta=0.0) -> None:
     """Start a trial step with solid fractions and cut-off regions; solid grows from 0.6 on."""
     f = np.array(fraction)
     liquid = f < COHERENCY if solid is None else ~np.array(solid, dtype=bool)
     shrunk = S * np.minimum(f, COHERENCY)
-    cells.begin(np.array(region, dtype=np.int32), liquid, shrunk, np.full(5, theta))
+    cells.begin(throughout(region), liquid, shrunk, np.zeros(5), np.full(5, theta))
 
 
 def commit(cells: Content, dilatation: list[float] | float = 0.0, porous=ONE) -> None:
@@ -142,8 +148,10 @@ def test_a_pocket_that_is_reached_again_is_filled_and_one_that_melts_has_its_por
 @pytest.mark.serial
 def test_graphite_fills_pores_and_then_swells_the_cells_that_freeze_alone() -> None:
     cells = content()
-    cells.begin(np.zeros(5, np.int32), np.ones(5, bool), np.zeros(5), np.zeros(5))
-    cells.begin(np.full(5, -1, np.int32), np.zeros(5, bool), np.full(5, -0.006), np.zeros(5))
+    cells.begin(throughout([0] * 5), np.ones(5, bool), np.zeros(5), np.zeros(5), np.zeros(5))
+    cells.begin(
+        throughout([-1] * 5), np.zeros(5, bool), np.full(5, -0.006), np.zeros(5), np.zeros(5)
+    )
     np.testing.assert_allclose(cells.swelling, 0.006, rtol=1e-14)
     cells.commit(np.full(5, 0.01), np.zeros(0, bool))
     assert cells.void == 0.0
@@ -153,7 +161,9 @@ def test_graphite_fills_pores_and_then_swells_the_cells_that_freeze_alone() -> N
     begin(cells, [0.2] * 5, [0] * 5, [True] * 5)
     commit(cells)
     assert cells.void == pytest.approx(0.02 * 15, rel=1e-13)
-    cells.begin(np.zeros(5, np.int32), np.zeros(5, bool), np.full(5, -0.005), np.zeros(5))
+    cells.begin(
+        throughout([0] * 5), np.zeros(5, bool), np.full(5, -0.005), np.zeros(5), np.zeros(5)
+    )
     np.testing.assert_allclose(cells.swelling, 0.005, rtol=1e-13)
     commit(cells)
     assert cells.void == 0.0
@@ -228,7 +238,7 @@ def test_demand_is_fed_or_a_void_or_what_walls_give_way(seed: int) -> None:
         region[region >= 0] = np.unique(region[region >= 0], return_inverse=True)[1]
         sign = random.choice([1.0, 1.0, 1.0, -1.0])  # shrinks, or swells again
         shrunk = sign * S * np.minimum(fraction, COHERENCY)
-        cells.begin(region.astype(np.int32), fraction <= 0.25, shrunk, theta)
+        cells.begin(throughout(region), fraction <= 0.25, shrunk, np.zeros(len(theta)), theta)
         before, theta = theta, theta + 0.01 * random.standard_normal(5)
         filled = cells.void_fraction(theta)
         porous = (filled > 0.0) & (random.random(len(filled)) < 0.8)
@@ -274,5 +284,47 @@ def test_a_rank_without_cells_knows_the_pockets_of_others(comm) -> None:
     numbering = Numbering("cells of casting", np.arange(count), 5, ("casting",))
     cells = Content(comm, numbering, VOLUMES[:count])
     zeros, all_liquid = np.zeros(count), np.ones(count, dtype=bool)
-    cells.begin(np.array([0, 0, 1, 1, 1], dtype=np.int32)[:count], all_liquid, zeros, zeros)
+    cells.begin(throughout([0, 0, 1, 1, 1][:count]), all_liquid, zeros, zeros, zeros)
     np.testing.assert_allclose(cells.pockets, [3.0, 12.0])
+
+
+@pytest.mark.serial
+def test_what_freezes_before_the_cut_is_fed() -> None:
+    """By hand: the first cell freezes round what is cut off in a step."""
+    cells = content()
+    begin(cells, [0.0] * 5, [-1] * 5)
+    commit(cells)
+    cut = CutOff(
+        np.array([-1, 0, 0, -1, -1], dtype=np.int32), np.array([0.7, 0.7, 0.7, 0.0, 0.0]),
+        np.array([2, 2, 2, -1, -1], dtype=np.int32), 3,
+    )  # fmt: skip
+    f, then = np.array([0.8, 0.4, 0.3, 0.2, 1.0]), np.array([0.5, 0.3, 0.2, 0.1, 0.1])
+    shrunk, at_cut = (S * np.minimum(part, COHERENCY) for part in (f, then))
+    gained = np.array([0.01, 0.0, 0.0, 0.02, 0.0])
+    cells.begin(cut, f < COHERENCY, shrunk, at_cut, np.zeros(5), gained)
+    commit(cells)
+    lacking = VOLUMES[:3] @ (shrunk - at_cut)[:3]
+    assert cells.void == pytest.approx(lacking, rel=1e-14)
+    assert cells.fed == pytest.approx(VOLUMES @ shrunk - lacking, rel=1e-14)
+    drawn = (shrunk - at_cut)[0] * VOLUMES[0] / 5.0  # what lacks round the pool, out of it
+    np.testing.assert_allclose(cells.pores[1:3], (shrunk - at_cut)[1:3] + drawn, rtol=1e-13)
+    # From then on all of it lacks.
+    begin(cells, list(f + np.array([0.0, 0.1, 0.1, 0.0, 0.0])), [-1, 0, 0, -1, -1])
+    commit(cells)
+    assert cells.void == pytest.approx(lacking + S * 0.1 * 5.0, rel=1e-13)
+
+
+@pytest.mark.serial
+def test_what_is_cut_off_and_freezes_in_one_step_keeps_its_pores() -> None:
+    cells = content()
+    begin(cells, [0.0] * 5, [-1] * 5)
+    commit(cells)
+    cut = CutOff(
+        np.full(5, -1, dtype=np.int32), np.array([0.0, 0.0, 0.6, 0.6, 0.0]),
+        np.array([-1, -1, 0, 0, -1], dtype=np.int32), 1,
+    )  # fmt: skip
+    end, at_cut = np.full(5, S * COHERENCY), np.full(5, S * 0.36)
+    cells.begin(cut, np.zeros(5, dtype=bool), end, at_cut, np.zeros(5))
+    commit(cells)
+    np.testing.assert_allclose(cells.pores, [0.0, 0.0, 0.024, 0.024, 0.0], rtol=1e-14, atol=1e-16)
+    assert cells.demand == pytest.approx(cells.fed + cells.void, rel=1e-14)

@@ -76,9 +76,7 @@ def test_a_layer_of_solid_nodes_parts_liquid_though_cells_meet_there(casting) ->
     r, z = places(casting)
     layer = np.abs(z - HEIGHT / 2) < 0.51 * SIZE
     inside = (r < RADIUS / 2) & (z > HEIGHT / 4) & (z < 0.75 * HEIGHT)
-    whole, parted = (
-        pockets(casting, wet, ["mould", "base"]) for wet in (inside, inside & ~layer)
-    )
+    whole, parted = (pockets(casting, wet, ["mould", "base"]) for wet in (inside, inside & ~layer))
     count = [1 + casting.mesh.comm.allreduce(int(p.max(initial=-1)), op=MPI.MAX)
              for p in (whole, parted)]  # fmt: skip
     assert count == [1, 2]
@@ -122,3 +120,91 @@ def test_pockets_are_numbered_alike_on_all_ranks(casting) -> None:
     assert inside | outside == {0, 1}
     fed = pockets(casting, inner | (outer & low), ["mould", "base"])
     assert (fed[wet_cells(casting, inner)] == -1).all() and (fed[parts[1]] == 0).all()
+
+
+def frozen_at(start: np.ndarray, share: float, fed_until: float) -> np.ndarray:
+    """Return fractions at the end of a step in which they pass a limit after a share of it."""
+    return start + (fed_until + 1e-9 - start) / share
+
+
+@pytest.mark.ranks
+def test_a_pool_that_is_cut_off_in_a_step_says_since_when(casting) -> None:
+    """A skin closes the top of a column after a share of the step, and walls freeze at its end."""
+    r, z = places(casting)
+    column, surface = r < RADIUS / 3, z > HEIGHT - 1e-6
+    before = np.where(column, 0.3, 1.0)
+    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base"])
+    fed = paths.pockets(before, 0.6) < 0
+    inside = wet_cells(casting, column & ~surface)
+    for share in np.linspace(0.02, 0.98, 25):
+        after = np.where(column & surface, frozen_at(before, share, 0.6), before)
+        cut = paths.cut_off(before, after, 0.6, fed)
+        assert np.array_equal(cut.region >= 0, inside)
+        np.testing.assert_allclose(cut.moment[inside], share, atol=1e-6)
+        assert np.all(cut.moment[~inside] == 0.0)
+        assert np.array_equal(cut.group >= 0, inside)
+        assert np.all(cut.group < cut.groups)
+
+
+@pytest.mark.ranks
+def test_what_freezes_behind_the_cut_is_fed_until_then(casting) -> None:
+    """The lower half of the column freezes at 0.8 of the step; the cut is at 0.3 of it."""
+    r, z = places(casting)
+    column, surface, low = r < RADIUS / 3, z > HEIGHT - 1e-6, z < HEIGHT / 2
+    before = np.where(column, 0.3, 1.0)
+    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base"])
+    fed = paths.pockets(before, 0.6) < 0
+    after = np.where(column & surface, frozen_at(before, 0.3, 0.6), before)
+    after = np.where(column & low, frozen_at(before, 0.8, 0.6), after)
+    cut = paths.cut_off(before, after, 0.6, fed)
+    upper = wet_cells(casting, column & ~low & ~surface)
+    lower = wet_cells(casting, column & low) & ~upper
+    assert total(casting, lower) > 10
+    assert np.all(cut.region[lower] == -1)
+    np.testing.assert_allclose(cut.moment[upper | lower], 0.3, atol=1e-6)
+    assert len(np.unique(cut.group[upper | lower])) <= 1
+
+
+@pytest.mark.ranks
+def test_pools_part_from_the_surface_each_at_its_moment(casting) -> None:
+    """A lower pool is cut off at 0.2 of the step, an upper one at 0.7."""
+    r, z = places(casting)
+    column, surface = r < RADIUS / 3, z > HEIGHT - 1e-6
+    neck = np.abs(z - HEIGHT / 2) < 0.6 * SIZE
+    before = np.where(column, 0.3, 1.0)
+    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base"])
+    after = np.where(column & surface, frozen_at(before, 0.7, 0.6), before)
+    after = np.where(column & neck, frozen_at(before, 0.2, 0.6), after)
+    cut = paths.cut_off(before, after, 0.6, paths.pockets(before, 0.6) < 0)
+    upper = wet_cells(casting, column & ~surface & ~neck & (z > HEIGHT / 2))
+    lower = wet_cells(casting, column & ~neck & (z < HEIGHT / 2))
+    assert min(total(casting, upper), total(casting, lower)) > 10
+    np.testing.assert_allclose(cut.moment[upper], 0.7, atol=1e-6)
+    np.testing.assert_allclose(cut.moment[lower], 0.2, atol=1e-6)
+    assert not set(cut.group[upper]) & set(cut.group[lower])
+
+
+@pytest.mark.ranks
+def test_pure_metal_is_cut_off_in_the_middle_of_the_step(casting) -> None:
+    """Its solid fraction is one at the end, and was one from some moment on."""
+    r, z = places(casting)
+    column, surface = r < RADIUS / 3, z > HEIGHT - 1e-6
+    before = np.where(column, 0.3, 1.0)
+    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base"])
+    after = np.where(column & surface, 1.0, before)
+    cut = paths.cut_off(before, after, 1.0, paths.pockets(before, 1.0) < 0)
+    assert np.all(cut.moment[cut.region >= 0] == 0.5)
+
+
+@pytest.mark.ranks
+def test_regions_that_were_cut_off_before_or_are_fed_have_no_moment(casting) -> None:
+    r, z = places(casting)
+    core = (r < RADIUS / 2) & (np.abs(z - HEIGHT / 2) < HEIGHT / 4)
+    before, after = (np.where(core, f, 1.0) for f in (0.2, 0.5))
+    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base"])
+    region = paths.pockets(before, 0.6)
+    cut = paths.cut_off(before, after, 0.6, region < 0)
+    assert np.array_equal(cut.region, region)
+    assert cut.groups == 0
+    assert np.all(cut.moment == 0.0)
+    assert np.all(cut.group == -1)

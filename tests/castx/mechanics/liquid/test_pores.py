@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from castx.mechanics.liquid.content import Content
+from castx.mechanics.liquid.feeding_paths import CutOff
 from castx.mechanics.liquid.pores import Pores
 from castx.stateful import Numbering
 
@@ -21,7 +22,7 @@ def pores() -> Pores:
     """Return the pores of three pockets, each of one cell, in a trial step."""
     content = Content(MPI.COMM_SELF, NUMBERING, np.ones(4))
     none, liquid = np.zeros(4), POCKET >= 0
-    content.begin(POCKET, liquid, none, none)
+    content.begin(CutOff.throughout(POCKET), liquid, none, none, none)
     made = Pores(content, NUMBERING)
     made.begin()
     return made

@@ -11,6 +11,7 @@ from castx.arrays import IntArray
 from castx.case.geometry import Geometry
 from castx.domain.mesh import BodyMesh, build_mesh
 from castx.mechanics.liquid.content import Content
+from castx.mechanics.liquid.feeding_paths import CutOff
 from castx.mechanics.liquid.pressures import PocketPressures
 
 RADIUS, HEIGHT, WEIGHT = 0.03, 0.06, 2700 * 9.81
@@ -29,10 +30,10 @@ def pockets_of(body: BodyMesh, *pockets: np.ndarray) -> Content:
     numbering, nothing = body.cell_numbering, np.zeros(len(body.nodes.dofmap.list))
     content = Content(body.mesh.comm, numbering, np.ones(numbering.owned))
     pocket: IntArray = np.full(len(nothing), -1, dtype=np.int32)
-    content.begin(pocket, pocket < 0, nothing, nothing)
+    content.begin(CutOff.throughout(pocket), pocket < 0, nothing, nothing, nothing)
     for number, cells in enumerate(pockets):
         pocket = np.where(cells, number, pocket).astype(np.int32)
-    content.begin(pocket, pocket >= 0, nothing, nothing)
+    content.begin(CutOff.throughout(pocket), pocket >= 0, nothing, nothing, nothing)
     return content
 
 
