@@ -249,7 +249,8 @@ class BodyMechanics:
 
     def nodal_plastic_power(self) -> FloatArray:
         """Return the power of plastic work at the owned nodes [W], shape (owned,)."""
-        here = self.points.to_nodes(self.material.plastic_power(), len(self.mesh.parent_vertices))
+        power, nodes = self.material.plastic_power(), len(self.mesh.parent_vertices)
+        here = self.points.shared_to_nodes(power, nodes)
         return nodal_sum(self.mesh, here)[: self.owned_nodes]
 
     def commit(self) -> None:

@@ -233,13 +233,41 @@ class IntegrationPoints:
         return function, self.expression(ufl.grad(function))
 
     def to_nodes(self, values: FloatArray, nodes: int) -> FloatArray:
-        """Return ∫ N v over the owned cells, shape (nodes,)."""
+        """Return ∫ N v over the owned cells by their points, shape (nodes,)."""
+        return self._summed_at_nodes((self._by_points(values) * self.weights) @ self._shapes, nodes)
+
+    def shared_to_nodes(self, values: FloatArray, nodes: int) -> FloatArray:
+        """Return ∫ N v over the owned cells, of v that is even in each cell that has one point.
+
+        With the one point of a triangle at its centre all its nodes would have as much. Round an
+        axis those outside have more: of a cell at the axis ∫ N dV there is three quarters of that.
+
+        Args:
+            values: v at the points, shape (points,).
+            nodes: number of local nodes.
+
+        Returns:
+            Shape (nodes,).
+        """
+        if self.per_cell > 1:
+            return self.to_nodes(values, nodes)
+        return self._summed_at_nodes(values[:, None] * self._corner_volumes, nodes)
+
+    @cached_property
+    def _corner_volumes(self) -> FloatArray:
+        """∫ N dV over each cell [m³], shape (cells, corners)."""
+        places, rule = self.kind.quadrature(2)
+        mesh = self._body.mesh
+        weight = kinematics.weight(self.model, ufl.SpatialCoordinate(mesh))
+        scale = fem.Expression(abs(ufl.JacobianDeterminant(mesh)) * weight, places)
+        here = np.asarray(scale.eval(mesh, self._all_cells)).reshape(self.cells, len(places))
+        return np.asarray((rule * here) @ self.kind.shape_functions(places)[0])
+
+    def _summed_at_nodes(self, of_corners: FloatArray, nodes: int) -> FloatArray:
+        """Return sums over the owned cells round nodes, shape (nodes,)."""
         owned = self.owned_cells
-        weighted = (self._by_points(values) * self.weights)[:owned] @ self._shapes
-        sums = np.bincount(
-            self.cell_nodes[:owned].ravel(), weights=weighted.ravel(), minlength=nodes
-        )
-        return np.asarray(sums[:nodes])
+        corners, values = self.cell_nodes[:owned].ravel(), of_corners[:owned].ravel()
+        return np.asarray(np.bincount(corners, weights=values, minlength=nodes)[:nodes])
 
 
 class VolumePoints(IntegrationPoints):

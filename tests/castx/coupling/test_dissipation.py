@@ -66,6 +66,22 @@ def test_the_bar_heats_by_its_plastic_work(comm, scheme, fraction):
 
 
 @pytest.mark.ranks
+@pytest.mark.parametrize("formulation", ["mixed", "displacement"])
+def test_a_round_bar_heats_evenly_up_to_its_axis(comm, formulation):
+    """Stretched along its axis, and next to no conduction that would even out what is not."""
+    data = bar({"materials": {"metal": {"dissipation": 0.9, "conductivity": 1e-3}}})
+    data["geometry"]["model"] = "axisymmetric"
+    data["bodies"][0]["formulation"] = formulation
+    data["boundaries"] = [
+        {"on": "casting/bottom", "displacement": {"y": 0.0}},
+        {"on": "casting/top", "displacement": {"y": [[0.0, 0.0], [10.0, 0.01 * STRAIN]]}},
+    ]
+    state = coupled_cases.final_state(comm, data)
+    change = state.nodal("casting", "temperature") - 20.0
+    np.testing.assert_allclose(change, 0.9 * plastic_work() / HEAT, rtol=1e-3)
+
+
+@pytest.mark.ranks
 @pytest.mark.parametrize(
     "change",
     [

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import ufl
 
+from castx.domain.measures import nodal_sum, nodal_volumes
 from castx.domain.mesh import BodyMesh
 from castx.mechanics.constitutive.integration_points import IntegrationPoints, quadrature_degree
 from tests.elastic_bodies import generated
@@ -91,6 +92,20 @@ def test_integrals_at_nodes_sum_to_the_integral(comm, model, cells):
     total = comm.allreduce(points.to_nodes(x, nodes).sum())
     exact = {"3d": LENGTH**2 / 2 * WIDTH * DEPTH, "axisymmetric": 2 / 3 * np.pi * LENGTH**3 * WIDTH}
     assert total == pytest.approx(exact.get(model, LENGTH**2 / 2 * WIDTH), rel=1e-12)
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("cells", CELLS)
+@pytest.mark.parametrize("model", MODELS)
+def test_what_is_even_is_shared_by_the_volumes_of_the_nodes(comm, model, cells):
+    """As nodal volumes by forms: with a third of a triangle for each node, an axis gets 4/3."""
+    body = slab(comm, model, cells)
+    own = body.nodes.dofmap.index_map.size_local
+    for degree in (1, 2):
+        points = IntegrationPoints(body, model, degree)
+        here = points.shared_to_nodes(np.ones(points.count), len(body.parent_vertices))
+        found = nodal_sum(body, here)[:own]
+        np.testing.assert_allclose(found, nodal_volumes(body, model), rtol=1e-12)
 
 
 @pytest.mark.parametrize(
