@@ -12,6 +12,9 @@ from castx.mechanics.constitutive.response import Response
 
 MOST_ITERATIONS = 50
 ROUNDING = 1e-13
+NOTHING = 1e-18
+"""Strain that is rounding of whatever has cancelled: a body that returns to where it is free of
+stress has no other strain to compare with."""
 
 
 def normal_strain(
@@ -54,7 +57,8 @@ def normal_strain(
         step[halved] = 0.5 * (lower[halved] + upper[halved]) - normal[halved]
         change = np.where(found, 0.0, step)
         normal += change
-        found |= np.abs(change) <= ROUNDING * (np.abs(in_plane).max(axis=1) + np.abs(normal))
+        strain = np.abs(in_plane).max(axis=1) + np.abs(normal)
+        found |= np.abs(change) <= ROUNDING * strain + NOTHING
         if found.all():
             return normal
     worst = int(np.argmax(np.abs(change)))

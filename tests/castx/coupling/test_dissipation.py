@@ -73,8 +73,8 @@ def test_a_round_bar_heats_evenly_up_to_its_axis(comm, formulation):
     data["geometry"]["model"] = "axisymmetric"
     data["bodies"][0]["formulation"] = formulation
     data["boundaries"] = [
-        {"on": "casting/bottom", "displacement": {"y": 0.0}},
-        {"on": "casting/top", "displacement": {"y": [[0.0, 0.0], [10.0, 0.01 * STRAIN]]}},
+        {"on": "casting/bottom", "displacement": {"z": 0.0}},
+        {"on": "casting/top", "displacement": {"z": [[0.0, 0.0], [10.0, 0.01 * STRAIN]]}},
     ]
     state = coupled_cases.final_state(comm, data)
     change = state.nodal("casting", "temperature") - 20.0
