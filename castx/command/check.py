@@ -290,14 +290,14 @@ def size_text(model: str) -> str:
 def surface_table(case: Case, summary: MeshSummary) -> Table:
     """Return the named surfaces with their areas and boundary conditions."""
     table = Table("surface", "area, cm²", "conditions", box=SIMPLE_HEAD)
-    conditions = {boundary.on: boundary for boundary in case.boundaries}
     names = [body.name for body in case.bodies]
     for body in summary.bodies:
         for surface, area in body.surfaces.items():
             if surface not in names:
                 on = f"{body.name}/{surface}"
-                given = conditions.get(on)
-                text = free_text(surface) if given is None else conditions_text(given, area)
+                given = [boundary for boundary in case.boundaries if boundary.on == on]
+                told = [conditions_text(boundary, area) for boundary in given]
+                text = ", ".join(told) if told else free_text(surface)
                 table.add_row(on, plain_text(1e4 * area), text)
         if body.unnamed > 0.0:
             table.add_row(f"{body.name}, unnamed", plain_text(1e4 * body.unnamed), free_text(""))

@@ -26,7 +26,11 @@ from castx.equilibrium.memory import MechanicalMemory
 from castx.mechanics.assembly import BodyAssembly
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.description import MechanicalBody
-from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
+from castx.mechanics.fixed_directions import (
+    SurfaceDisplacement,
+    fixed_directions,
+    hinders_shrinkage,
+)
 from castx.mechanics.fixed_midsides import midside_directions
 from castx.mechanics.midsides.midsides import Midsides
 from castx.profiling import RunPart, booked_as
@@ -37,6 +41,9 @@ from castx.transfer.pair_state import PairState
 
 class MechanicalProblem:
     """The bodies, their contact and the solver of their equilibrium.
+
+    Attributes:
+        hindered: whether the supports of a body keep it from shrinking evenly, by its name.
 
     Args:
         mesh: mesh of all bodies.
@@ -70,6 +77,10 @@ class MechanicalProblem:
         fixed = [
             fixed_directions(mesh.bodies[n], mesh.model, displacements.get(n, ())) for n in names
         ]
+        self.hindered = {
+            n: hinders_shrinkage(mesh.bodies[n], mesh.model, own)
+            for n, own in zip(names, fixed, strict=True)
+        }
         planes = [[condition for condition in f if condition.symmetry] for f in fixed]
         parts = [
             BodyMechanics(mesh.bodies[n], mesh.model, bodies[n], planes[b])

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 from mpi4py import MPI
 
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, IntArray
-from castx.domain.measures import nodal_area_vectors
+from castx.domain.measures import bounding_box, nodal_area_vectors
 from castx.domain.mesh import BodyMesh
 from castx.errors import CaseError
 from castx.meshes.model import SYMMETRY
@@ -20,6 +21,9 @@ ZERO = Table.constant(0.0)
 
 PARALLEL = 1e-6
 """Sine below which two directions are the same."""
+
+HELD = 1e-3
+"""Part of the size of a body by which its supports miss an even shrinkage before they hinder it."""
 
 
 @dataclass(frozen=True)
@@ -138,6 +142,53 @@ def _directions_on_surface(
         FixedDirections(name, owned, v, condition.value, condition.symmetry, condition.surface)
         for v in vectors
     ]
+
+
+def hinders_shrinkage(body: BodyMesh, model: str, fixed: Sequence[FixedDirections]) -> bool:
+    """Return whether fixed directions keep a body from shrinking evenly; collective.
+
+    They do not where some rigid motion, added to u = -x, moves no node along its direction: planes
+    of symmetry and three supports on a face let a body shrink, two ends that are held do not.
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        fixed: of the body; nodes that move equally, by no matter how much, are one more motion.
+    """
+    comm = body.mesh.comm
+    low, high = bounding_box(body.points, comm)
+    size = float(np.linalg.norm(high - low))
+    free = [condition for condition in fixed if condition.value is None]
+    rigid = _motions(np.zeros((0, len(low))), model).shape[1]
+    A, b = [np.zeros((0, rigid + len(free)))], [np.zeros(0)]
+    for condition in fixed:
+        e = condition.directions
+        x: FloatArray = np.subtract(body.points[condition.nodes], low) / np.float64(size)
+        if model == "axisymmetric":
+            x[:, 0] += low[0] / size
+        moved = np.sum(_motions(x, model) * e[:, np.newaxis], axis=2)
+        equal = np.array([float(condition is other) for other in free])
+        A.append(np.hstack([moved, np.tile(equal, (len(e), 1))]))
+        b.append(np.sum(e * x, axis=1))
+    rows, wanted = np.vstack(A), np.concatenate(b)
+    normal = comm.allreduce(np.column_stack([rows.T @ rows, rows.T @ wanted]), op=MPI.SUM)
+    found = np.linalg.lstsq(normal[:, :-1], normal[:, -1])[0]
+    off = float(np.abs(rows @ found - wanted).max(initial=0.0))
+    return bool(comm.allreduce(off, op=MPI.MAX) > HELD)
+
+
+def _motions(points: FloatArray, model: str) -> FloatArray:
+    """Return rigid motions at points, shape (points, motions, dimension)."""
+    count, dimension = points.shape
+    if model == "axisymmetric":
+        return np.tile([[[0.0, 1.0]]], (count, 1, 1))
+    turns = []
+    for i, j in combinations(range(dimension), 2):
+        turn = np.zeros_like(points)
+        turn[:, i], turn[:, j] = -points[:, j], points[:, i]
+        turns.append(turn)
+    moves = np.tile(np.eye(dimension), (count, 1, 1))
+    return np.concatenate([moves, np.stack(turns, axis=1)], axis=1)
 
 
 def axes_of(model: str) -> dict[str, int]:

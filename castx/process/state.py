@@ -85,6 +85,11 @@ class State:
             return self._rigid_field(body, name)
         return field.values(FieldState(self.problem, body, name))
 
+    def is_hindered(self, body: str) -> bool:
+        """Return whether supports keep a body from shrinking evenly; rigid ones never shrink."""
+        mechanics = self.problem.mechanics
+        return mechanics is not None and mechanics.hindered.get(body, False)
+
     def cellwise(self, body: str, name: str) -> FloatArray:
         """Return a field constant in each cell, with ghosts, shape (cells,), tensors (cells, 6)."""
         if body in self.now.rigid and name in (*CELLWISE, *FOLLOWED_IN_CELLS):

@@ -106,7 +106,8 @@ class ResultsWriter:
         self._metals = pooled_metals(case)
         self._pools = HotSpots(mesh, self._metals)
         forms = SurfaceForms(mesh, case.foundry.flat, case.foundry.round)
-        heated = case.coupling.scheme != "mechanical"
+        given = any(body.temperature_history is not None for body in case.bodies)
+        heated = given or case.coupling.scheme != "mechanical"
         self._ends = StageEnds(mesh, deforming(case), forms, heated, fed_surfaces(case))
         self._cracks = cracks_of(case, mesh)
         poured = poured_bodies(case)

@@ -59,6 +59,11 @@ class FakeSnapshot:
     counters: StepCounters = field(default_factory=StepCounters)
     process: ProcessState = field(default_factory=ProcessState)
 
+    hindered: tuple[str, ...] = ()
+
+    def is_hindered(self, body: str) -> bool:
+        return body in self.hindered
+
     def nodal(self, body: str, name: str) -> FloatArray:
         gdim = self.mesh.parent.geometry.dim
         points = self.mesh.bodies[body].nodes.tabulate_dof_coordinates()[:, :gdim]

@@ -25,7 +25,7 @@ FIELDS = (
     ),
     OutputField(
         name="life",
-        title="Life, powers of ten",
+        title="Cycles to a crack (pictures: log10)",
         unit="1",
         place=FieldPlace.CELL,
         followed=True,

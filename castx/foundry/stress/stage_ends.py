@@ -40,6 +40,9 @@ class SolidState(Protocol):
     def mesh(self) -> CastingMesh:
         """The bodies that are there."""
 
+    def is_hindered(self, body: str, /) -> bool:
+        """Return whether supports keep a body from shrinking evenly."""
+
     def nodal(self, body: str, name: str, /) -> FloatArray:
         """Return a nodal field with ghosts."""
 
@@ -59,6 +62,7 @@ class SolidCopies:
         coherent: whether they are solid, (cells,).
         displacement: of the local nodes, (nodes, gdim) [m].
         hottest: highest temperature on this rank, not a number in a run without heat [°C].
+        hindered: whether supports keep a body from shrinking evenly.
     """
 
     time: float
@@ -68,6 +72,7 @@ class SolidCopies:
     coherent: Mapping[str, BoolArray]
     displacement: Mapping[str, FloatArray]
     hottest: Mapping[str, float]
+    hindered: Mapping[str, bool]
 
 
 class StageEnds:
@@ -124,6 +129,7 @@ class StageEnds:
             {name: state.cellwise(name, "coherent") > 0.0 for name in names},
             {name: state.nodal(name, "displacement").copy() for name in names},
             {name: self._hottest(state, name) for name in names},
+            {name: state.is_hindered(name) for name in names},
         )
 
     def _hottest(self, state: SolidState, name: str) -> float:
@@ -145,6 +151,7 @@ class StageEnds:
     def _body(self, name: str, last: SolidCopies) -> dict[str, Any]:
         stress, displacement = last.stress[name], last.displacement[name]
         found: dict[str, Any] = {"stress": self._stresses[name].of(stress[: self._owned[name]])}
+        found["hindered"] = last.hindered[name]
         errors = CellErrors(self._mesh.bodies[name], self._mesh.model, last.coherent[name])
         if error := errors.described(stress):
             found["stress_error"] = error

@@ -12,9 +12,9 @@ from castx.mechanics.constitutive.response import Response
 
 MOST_ITERATIONS = 50
 ROUNDING = 1e-13
-NOTHING = 1e-18
-"""Strain that is rounding of whatever has cancelled: a body that returns to where it is free of
-stress has no other strain to compare with."""
+NOTHING = 1e-16
+"""Strain that is rounding of thermal strains of a few percent that have cancelled: a body that
+returns to where it is free of stress has no other strain to compare with."""
 
 
 def normal_strain(

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from castx.arrays import FloatArray
 from castx.input.units import plain_text, seconds_text
 from castx.report.summary.finding import Finding, Shown
 from castx.results.reading import Results
@@ -16,20 +17,42 @@ STILL_LIQUID = "Still liquid"
 
 
 def freezing(run: Results) -> Iterator[Finding]:
-    """Yield when the last liquid of each casting has frozen, or how much is left at the end."""
-    time = run.history["time"]
+    """Yield when the last liquid of each casting has frozen, or how much is left at the end.
+
+    A casting that melts again freezes when it does so last. Of one that is poured again the first
+    pouring that froze counts.
+    """
     for body in run.freezing:
-        fraction = run.history[f"{body}.solid_fraction"]
+        time, fraction = first_frozen(run, body)
         known = np.flatnonzero(np.isfinite(fraction))
-        solid = np.flatnonzero(fraction >= FULLY_SOLID)
-        if solid.size == 0:
-            last, out = int(known[-1]), taken_out(run, body)
-            when = float(time[last]) if out is None else out
-            liquid = 1.0 - float(fraction[last])
-            yield still_liquid(run, body, when, liquid, is_out=out is not None)
+        liquid = known[fraction[known] < FULLY_SOLID]
+        frozen = np.flatnonzero(fraction >= FULLY_SOLID)
+        if frozen.size and not (liquid.size and liquid[-1] == known[-1]):
+            last = int(frozen[0] if not liquid.size else known[known > liquid[-1]][0])
+            again = float(time[frozen[0]]) if last != frozen[0] else None
+            yield last_liquid(run, body, float(time[max(last - 1, 0)]), float(time[last]), again)
             continue
-        before, after = float(time[max(solid[0] - 1, 0)]), float(time[solid[0]])
-        yield last_liquid(run, body, before, after)
+        end, out = int(known[-1]), taken_out(run, body)
+        yield still_liquid(
+            run, body, float(time[end]) if out is None else out, 1.0 - float(fraction[end]),
+            is_out=out is not None, solid_at=float(time[frozen[0]]) if frozen.size else None,
+        )  # fmt: skip
+
+
+def first_frozen(run: Results, body: str) -> tuple[FloatArray, FloatArray]:
+    """Return times [s] and solid fractions of the first pouring that froze, or of the last one."""
+    time, fraction = run.history["time"], run.history[f"{body}.solid_fraction"]
+    poured = [
+        float(event["time"]) for event in run.record.get("process", [])
+        if body in event.get("renewed", []) and event["time"] > 0.0
+    ]  # fmt: skip
+    begin = -np.inf
+    for end in [*poured, np.inf]:
+        there = (time > begin) & (time <= end)
+        if end == np.inf or (fraction[there] >= FULLY_SOLID).any():
+            break
+        begin = end
+    return time[there], fraction[there]
 
 
 def taken_out(run: Results, body: str) -> float | None:
@@ -44,8 +67,9 @@ def taken_out(run: Results, body: str) -> float | None:
 
 
 def still_liquid(
-    run: Results, body: str, time: float, liquid: float, *, is_out: bool = False
-) -> Finding:
+    run: Results, body: str, time: float, liquid: float, *,
+    is_out: bool = False, solid_at: float | None = None,
+) -> Finding:  # fmt: skip
     """Return the finding of a casting that is not all solid at the end.
 
     Args:
@@ -54,10 +78,13 @@ def still_liquid(
         time: of its last state [s].
         liquid: its share of liquid then.
         is_out: whether it was removed then.
+        solid_at: when it was all solid before it melted again [s]; None: it never was.
     """
     told = f"{body} has not frozen when the run ends: a longer one tells what freezes last."
     followed = None
-    if is_out:
+    if solid_at is not None:
+        told = f"{body} was all solid at {seconds_text(solid_at)}, and has melted again."
+    elif is_out:
         told = f"{body} was removed at {seconds_text(time)}, before it had frozen."
         # Of later cycles there are no fields of the casting.
         followed = run.record.get("last_liquid", {}).get(body)
@@ -68,7 +95,9 @@ def still_liquid(
     )  # fmt: skip
 
 
-def last_liquid(run: Results, body: str, before: float, after: float) -> Finding:
+def last_liquid(
+    run: Results, body: str, before: float, after: float, solid_at: float | None = None
+) -> Finding:
     """Return when and where the last liquid of a casting has frozen.
 
     The last liquid is followed in every step. A pool that ends in the last of them says that
@@ -79,6 +108,7 @@ def last_liquid(run: Results, body: str, before: float, after: float) -> Finding
         body: the casting.
         before: start of the step in which it became all solid [s].
         after: end of this step [s].
+        solid_at: when it was all solid before it melted again [s]; None: it did not.
     """
     pools = [
         spot for spot in run.record.get("hot_spots", [])
@@ -95,6 +125,8 @@ def last_liquid(run: Results, body: str, before: float, after: float) -> Finding
     else:
         place = last_place(run, body, after) if followed is None else followed["place"]
         told = "the last liquid was at this place."
+    if solid_at is not None:
+        told += f" It was all solid at {seconds_text(solid_at)} already, and melted again."
     return Finding(
         LAST_LIQUID, body, after, "s",
         f"All solid in the step from {plain_text(before)} to {seconds_text(after)}; {told}",

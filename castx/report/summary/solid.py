@@ -69,6 +69,10 @@ def not_residual(run: Results, body: str, time: float, found: Mapping[str, Any])
     hottest = found.get("hottest")
     if hottest is not None and hottest > COLD:
         yield f"{body} is still up to {hottest:.0f} °C hot: what remains when it is cold differs."
+    if found.get("hindered"):
+        yield f"Supports hold {body}, so that it cannot shrink evenly: a part is theirs."
+    elif run.model == "plane-strain":
+        yield "The model holds it across the plane; generalised-plane-strain does not."
     for interface in run.record["interfaces"]:
         closed = run.history.get(f"{interface}.closed_fraction")
         if body not in interface.split("/") or closed is None:

@@ -149,6 +149,7 @@ class _MeshError(_Strict):
 
 class _SolidBody(_Strict):
     stress: _StressExtremes = _StressExtremes()
+    hindered: bool = False
     stress_error: _MeshError | None = None
     distortion: _Distortion | None = None
     flatness: dict[str, float] = {}

@@ -79,6 +79,9 @@ class Snapshot(Protocol):
         Names: temperature [°C], enthalpy [J/m³], solid_fraction, displacement [m], pressure [Pa].
         """
 
+    def is_hindered(self, body: str) -> bool:
+        """Return whether supports keep a body from shrinking evenly."""
+
     def cellwise(self, body: str, name: str) -> FloatArray:
         """Return a field constant in each cell, with ghosts: (cells,), the stress (cells, 6).
 

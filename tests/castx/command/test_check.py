@@ -24,6 +24,7 @@ from castx.command.check import (
     heat_text,
     interface_text,
     size_text,
+    surface_table,
 )
 from castx.command.cli import execute
 from castx.command.watches.ranges import temperature_range
@@ -118,6 +119,22 @@ def test_temperatures_of_the_case_are_those_of_bodies_surroundings_and_stages():
     assert temperature_range(case) == (25.0, 650.0)
     hotter = load_case("demos/stages.toml", ["stages.1.spray.ambient=[[0, 20], [5, 900]]"])
     assert temperature_range(hotter) == (20.0, 900.0)
+
+
+def test_all_conditions_of_a_surface_are_told():
+    """In whichever order the case has them."""
+    given = [
+        {"on": "casting/top", "heat": {"type": "convection", "coefficient": 9, "ambient": 20}},
+        {"on": "casting/top", "displacement": {"normal": 0.0}},
+    ]
+    bodies = [SimpleNamespace(name="casting", surfaces={"top": 3e-4}, unnamed=0.0)]
+    for order in (given, given[::-1]):
+        case = SimpleNamespace(
+            boundaries=[Boundary.read(each) for each in order],
+            bodies=[SimpleNamespace(name="casting")],
+        )
+        (told,) = surface_table(case, SimpleNamespace(bodies=bodies)).columns[2].cells
+        assert "convection" in told and "displacement normal" in told
 
 
 def test_clamps_are_told_with_the_pressure_they_mean():

@@ -10,6 +10,7 @@ from castx.mechanics.fixed_directions import (
     SurfaceDisplacement,
     axes_of,
     fixed_directions,
+    hinders_shrinkage,
     parallel,
 )
 from tests.elastic_bodies import blocks, everywhere, fixed, generated, sorted_by_place
@@ -36,6 +37,46 @@ def test_parallel_are_directions_a_millionth_apart():
     directions = np.column_stack([np.sin(angles), 0.0 * angles, np.cos(angles)])
     found = parallel(directions, np.array([0.0, 0.0, 1.0]))
     assert found.tolist() == [True, True, False, False, False, True, False]
+
+
+SLAB = {
+    "plane-strain": [
+        (["wall normal", "bottom normal"], False), (["wall all"], True), ([], False),
+        (["wall normal", "far normal"], True), (["wall normal", "far uniform"], False),
+        (["wall normal", "bottom normal", "top normal"], True),
+    ],
+    "axisymmetric": [
+        (["bottom z"], False), (["bottom z", "top z"], True), (["far r"], True),
+        (["bottom all"], True),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.ranks
+def test_supports_at_opposite_ends_keep_a_body_from_shrinking(comm):
+    """Planes of symmetry do not, and neither does an end that moves as a whole."""
+    for model, cases in SLAB.items():
+        mesh = generated(comm, model, "slab", ["casting"], length=0.02, width=0.01, size=0.005)
+        body = mesh.bodies["casting"]
+        for held, expected in cases:
+            conditions = [
+                SurfaceDisplacement(surface, "normal", None)
+                if how == "uniform" else SurfaceDisplacement(surface, how)
+                for surface, how in (text.split() for text in held)
+            ]  # fmt: skip
+            found = hinders_shrinkage(body, model, fixed_directions(body, model, conditions))
+            assert found == expected, (model, held)
+
+
+@pytest.mark.ranks
+def test_a_sector_shrinks_towards_its_axis_unless_its_outside_is_held(comm):
+    body = cylinder(comm, "quarter").bodies["casting"]
+    planes = fixed_directions(body, "3d", [])
+    assert len(planes) == 2
+    assert not hinders_shrinkage(body, "3d", planes)
+    both = [SurfaceDisplacement(surface, "normal") for surface in ("base", "top")]
+    assert not hinders_shrinkage(body, "3d", fixed_directions(body, "3d", both[:1]))
+    assert hinders_shrinkage(body, "3d", fixed_directions(body, "3d", both))
 
 
 @pytest.mark.serial

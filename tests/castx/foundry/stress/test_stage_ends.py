@@ -29,7 +29,8 @@ def state(mesh, time, cycle, stage):
         "temperature": lambda x: 500.0 - 10.0 * time - x[:, 0],
     }
     process = ProcessState(stage=stage, cycle=cycle)
-    return FakeSnapshot(time, 0, mesh, formulas=formulas, process=process)
+    hindered = ("casting",) if stage == 0 else ()
+    return FakeSnapshot(time, 0, mesh, formulas=formulas, process=process, hindered=hindered)
 
 
 COURSE = [(0, 1, 0), (1, 1, 0), (2, 1, 1), (3, 1, 1), (4, 2, 0), (5, 2, 1)]
@@ -52,6 +53,7 @@ def test_the_last_state_of_each_stage_in_the_last_cycle_is_described(mesh):
         assert stress["high_von_mises"] == pytest.approx(1e6 * end["time"], rel=1e-9)
         hottest = end["bodies"]["casting"]["hottest"]
         assert hottest == pytest.approx(500.0 - 10.0 * end["time"], abs=1e-9)
+        assert end["bodies"]["casting"]["hindered"] == (end["stage"] == 0)
         shrunk = end["bodies"]["casting"]["distortion"]["allowance"]
         assert shrunk == pytest.approx([1e-3 * end["time"]] * 2, rel=1e-9)
 
@@ -85,7 +87,7 @@ def test_a_body_between_planes_of_symmetry_has_stress_alone(mesh):
     closed = replace(body, surfaces=surfaces, nodes_on=nodes)
     ends = StageEnds(replace(mesh, bodies={"casting": closed}), ["casting"])
     (end,) = follow(ends, mesh, COURSE[:1]).described()
-    assert list(end["bodies"]["casting"]) == ["stress", "hottest"]
+    assert list(end["bodies"]["casting"]) == ["stress", "hindered", "hottest"]
     assert ends.deviation("casting") is None
 
 

@@ -86,6 +86,19 @@ def test_the_slope_of_an_elastic_law_is_exact():
     assert len(calls) <= 3
 
 
+@pytest.mark.parametrize("thermal", [0.0, 1e-3, 0.04])
+def test_a_state_in_which_all_strain_has_cancelled_is_found(thermal):
+    """As where a held bar is back at its stress-free temperature: what is left is rounding."""
+    law = partial(respond, conditions(0.3, 1e12, 0.0, 0.0), history())
+
+    def mean_stress(normal):
+        return 50e9 * ((normal + thermal) - thermal), np.full(COUNT, 50e9)
+
+    guess = np.linspace(-1e-3, 1e-3, COUNT)
+    found = normal_strain(np.zeros((COUNT, 4)), guess, law, mean_stress)
+    np.testing.assert_allclose(found, 0.0, atol=1e-15)
+
+
 def test_what_is_not_found_is_said(monkeypatch):
     monkeypatch.setattr(plane_stress, "MOST_ITERATIONS", 2)
     law = partial(respond, conditions(0.3, YIELD, 0.0, 0.0), history())

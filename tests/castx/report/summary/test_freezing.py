@@ -57,6 +57,32 @@ def test_a_casting_that_is_not_solid_says_how_much_is_liquid():
     assert last.topic == STILL_LIQUID and last.number == "25 %" and last.time == 3.0
 
 
+def test_a_casting_that_melts_again_freezes_when_it_does_so_last():
+    time, solid = np.arange(6.0), np.array([0.0, 0.7, 1.0, 0.4, 0.9, 1.0])
+    history = Columns({"time": time, "casting.solid_fraction": solid})
+    (last,) = freezing(run(history=history))
+    assert (last.topic, last.value) == (LAST_LIQUID, 5.0)
+    assert "from 4 to 5 s" in last.sentence
+    assert last.sentence.endswith("It was all solid at 2 s already, and melted again.")
+    (last,) = freezing(
+        run(history=Columns({"time": time[:5], "casting.solid_fraction": solid[:5]}))
+    )
+    assert (last.topic, last.number, last.time) == (STILL_LIQUID, "10 %", 4.0)
+    assert last.sentence == "casting was all solid at 2 s, and has melted again."
+
+
+def test_of_a_casting_that_is_poured_again_the_first_pouring_counts():
+    time, solid = np.arange(6.0), np.array([0.0, 0.7, 1.0, 0.1, 0.6, 0.8])
+    found = run(history=Columns({"time": time, "casting.solid_fraction": solid}))
+    found.record["process"] = [
+        {"time": 0.0, "bodies": ["casting"], "removed": {}, "renewed": ["casting"]},
+        {"time": 2.5, "bodies": ["casting"], "removed": {}, "renewed": ["casting"]},
+    ]
+    (last,) = freezing(found)
+    assert (last.topic, last.value) == (LAST_LIQUID, 2.0)
+    assert "again" not in last.sentence
+
+
 @pytest.mark.parametrize(("renewed", "time"), [([], 2.0), (["casting"], 3.0)])
 def test_a_casting_that_is_removed_before_it_is_solid_freezes_in_no_longer_run(renewed, time):
     history = Columns({"time": TIME, "casting.solid_fraction": np.array([0.0, 0.2, 0.5, 0.5])})

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.serial
 
 
 def test_findings_come_in_the_order_of_the_registry_and_have_names_of_their_own():
-    found = run()
+    found = run(model="generalised-plane-strain")
     found.record["stage_ends"] = [end(0, 3.0, 5e7, "casting", "mould")]
     every = findings(found)
     topics = [finding.topic for finding in every]

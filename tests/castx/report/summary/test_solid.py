@@ -78,6 +78,8 @@ def test_a_body_without_distortion_has_its_stress():
 DOUBTS = [
     ({"law": "thermo-elastic"}, {}, "elastic"),
     ({}, {"hottest": 585.0}, "still up to 585 °C hot"),
+    ({}, {"hindered": True}, "Supports hold casting"),
+    ({}, {"model": "plane-strain"}, "holds it across the plane"),
     ({}, {"held": [0.0, 1.0, 0.5, 0.25]}, "mould still holds it, at 25 %"),
     ({}, {"held": [0.0, 1.0, 1.0, 1.0]}, "mould still holds it, at 100 %"),
 ]
@@ -85,11 +87,18 @@ DOUBTS = [
 
 @pytest.mark.parametrize("body, state, told", DOUBTS)
 def test_stress_that_cannot_be_residual_is_not_called_so(body, state, told):
-    cold = {"hottest": 60.0, "held": [0.0, 1.0, 0.5, 0.0]}
+    cold = {
+        "hottest": 60.0,
+        "hindered": False,
+        "model": "axisymmetric",
+        "held": [0.0, 1.0, 0.5, 0.0],
+    }
     for found_state, doubtful in ((cold, False), (cold | state, True)):
         found = with_ends(end(0, 3.0, 5e7))
         found.record["bodies"]["casting"] = body if doubtful else {"law": "thermo-elasto-plastic"}
-        found.record["stage_ends"][0]["bodies"]["casting"]["hottest"] = found_state["hottest"]
+        last = found.record["stage_ends"][0]["bodies"]["casting"]
+        last |= {key: found_state[key] for key in ("hottest", "hindered")}
+        found.model = found_state["model"]
         found.history["casting/mould.closed_fraction"] = np.array(found_state["held"])
         (stress,) = residual_stress(found)
         assert (told in stress.sentence) is doubtful
