@@ -6,10 +6,10 @@ demand of a cell of volume V in a step,
     D = V s Δmin(f_s, f_c),   s = (ρ_solid − ρ_liquid)/ρ_solid.
 
 A cell in reach of a free surface is fed, up to the moment at which it is cut off in a step. Of a
-pocket, the cells without any solid are its pool. The
-content e of these cells, the volumetric strain at which they would be full, sinks by the demand of
-the whole pocket instead, and by what cells with solid round it have gained (`CellVolume.born`);
-what their volumetric strain θ exceeds it by is the void of the pocket,
+pocket, the cells without any solid are its pool. The content e of these cells, the volumetric
+strain at which they would be full, sinks by the demand of the whole pocket instead, and by what
+cells with solid round it have gained (`CellVolume.born`); what their volumetric strain θ exceeds it
+by is the void of the pocket,
 
     Σ V (θ − e) ≥ 0,
 
