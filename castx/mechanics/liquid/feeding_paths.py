@@ -74,21 +74,44 @@ class FeedingPaths:
             fed: whether each cell was not cut off at the start, shape (cells,).
         """
         region = self.pockets(fraction, fed_until)
-        fed = fed & _wet(before, fed_until)[self._regions.cell_nodes].any(axis=1)
-        new = self._numbers(region[fed & (region >= 0)])
-        if len(new) == 0:
-            return CutOff.throughout(region)
+        corners = self._regions.cell_nodes
+        fed = fed & _wet(before, fed_until)[corners].any(axis=1)
         closing = _closing_moments(before, fraction, fed_until)
         moments = self._numbers(np.append(closing[(closing >= 0.0) & (closing <= 1.0)], 0.0))
         behind = cache(lambda moment: self._pockets_of(closing > moment))
-        found = CutOff(region, np.zeros(len(fed)), np.full_like(region, -1), len(new))
-        for number, pool in enumerate(new):
-            cells = fed & (region == pool)
+        found = self._dated(CutOff.throughout(region), region, fed, moments, behind)
+        if len(moments) == 1:
+            return found
+        # Pools that end in the step; those behind its last but one closing are all that matter.
+        return self._dated(found, behind(moments[-2]), fed, moments[:-1], behind)
+
+    def _dated(
+        self,
+        found: CutOff,
+        there: IntArray,
+        fed: BoolArray,
+        moments: FloatArray,
+        behind: Callable[[float], IntArray],
+    ) -> CutOff:
+        """Return what is cut off with the moments at which some pools lost their paths; collective.
+
+        Args:
+            found: so far.
+            there: pockets of the cells at some time.
+            fed: whether each cell held liquid that was fed at the start of the step.
+            moments: at which paths may close, in their order, the pools at last being cut off.
+            behind: returns pockets behind a moment.
+        """
+        groups = found.groups
+        for pool in self._numbers(there[fed & (found.group < 0) & (there >= 0)]):
+            cells = fed & (there == pool)
             first = bisect_left(moments[:-1], True, key=partial(self._is_cut, behind, cells))
-            there = behind(moments[first])
-            own = fed & (found.group < 0) & np.isin(there, self._numbers(there[cells]))
-            found.group[own], found.moment[own] = number, moments[first]
-        return found
+            pockets = behind(moments[first])
+            same = np.isin(pockets, self._numbers(pockets[cells]))
+            own = fed & (found.group < 0) & same & (pockets >= 0)
+            found.group[own], found.moment[own] = groups, moments[first]
+            groups += 1
+        return found._replace(groups=groups)
 
     def _numbers(self, values: NDArray[Any]) -> NDArray[Any]:
         """Return the numbers that any rank has, each once and in their order; collective."""

@@ -122,7 +122,7 @@ def test_pockets_are_numbered_alike_on_all_ranks(casting) -> None:
     assert (fed[wet_cells(casting, inner)] == -1).all() and (fed[parts[1]] == 0).all()
 
 
-def frozen_at(start: np.ndarray, share: float, fed_until: float) -> np.ndarray:
+def frozen_at(start: np.ndarray, share: np.ndarray | float, fed_until: float) -> np.ndarray:
     """Return fractions at the end of a step in which they pass a limit after a share of it."""
     return start + (fed_until + 1e-9 - start) / share
 
@@ -163,6 +163,21 @@ def test_what_freezes_behind_the_cut_is_fed_until_then(casting) -> None:
     assert np.all(cut.region[lower] == -1)
     np.testing.assert_allclose(cut.moment[upper | lower], 0.3, atol=1e-6)
     assert len(np.unique(cut.group[upper | lower])) <= 1
+
+
+@pytest.mark.ranks
+def test_a_pool_that_is_cut_off_and_freezes_in_one_step_is_dated(casting) -> None:
+    """All freezes: the surface at 0.4 of the step, the column below it at 0.9."""
+    r, z = places(casting)
+    column, surface = r < RADIUS / 3, z > HEIGHT - 1e-6
+    before = np.where(column, 0.3, 1.0)
+    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base"])
+    after = np.where(column, frozen_at(before, np.where(surface, 0.4, 0.9), 0.6), before)
+    cut = paths.cut_off(before, after, 0.6, paths.pockets(before, 0.6) < 0)
+    inside = wet_cells(casting, column & ~surface)
+    assert np.all(cut.region == -1)
+    assert np.array_equal(cut.group >= 0, inside)
+    np.testing.assert_allclose(cut.moment[inside], 0.4, atol=1e-6)
 
 
 @pytest.mark.ranks
