@@ -7,6 +7,7 @@ import pytest
 
 from castx.errors import CaseError
 from castx.mechanics.fixed_directions import (
+    FixedDirections,
     SurfaceDisplacement,
     axes_of,
     fixed_directions,
@@ -66,6 +67,37 @@ def test_supports_at_opposite_ends_keep_a_body_from_shrinking(comm):
             ]  # fmt: skip
             found = hinders_shrinkage(body, model, fixed_directions(body, model, conditions))
             assert found == expected, (model, held)
+
+
+def held(body, direction, *places):
+    """Return one direction that is fixed at some places."""
+    points = body.points[: body.nodes.dofmap.index_map.size_local]
+    near = [np.linalg.norm(points - place, axis=1) < 1e-6 for place in np.array(places)]
+    nodes = np.flatnonzero(np.any(near, axis=0)).astype(np.int32)
+    return FixedDirections("by hand", nodes, np.tile(np.array(direction), (len(nodes), 1)))
+
+
+@pytest.mark.ranks
+def test_a_body_may_turn_as_it_shrinks(comm):
+    """Y is held on a line up to the right, and x on one across it: all of it turns by a half."""
+    mesh = generated(comm, "plane-strain", "slab", ["casting"], length=0.02, width=0.01, size=0.005)
+    body = mesh.bodies["casting"]
+    rising = held(body, [0.0, 1.0], (0.0, 0.0), (0.01, 0.005), (0.02, 0.01))
+    assert everywhere(comm, rising.nodes).size == 3
+    across = held(body, [1.0, 0.0], (0.01, 0.0), (0.005, 0.01))
+    assert not hinders_shrinkage(body, "plane-strain", [rising, across])
+    other = held(body, [1.0, 0.0], (0.005, 0.0), (0.01, 0.01))
+    assert hinders_shrinkage(body, "plane-strain", [rising, other])
+
+
+@pytest.mark.ranks
+def test_a_ring_that_is_held_at_its_bore_does_not_shrink(comm):
+    body = generated(
+        comm, "axisymmetric", "cylinder_in_mould", ["casting", "mould"],
+        radius=0.03, height=0.02, wall=0.01, size=0.01,
+    ).bodies["mould"]  # fmt: skip
+    bore = held(body, [1.0, 0.0], (0.03, 0.0), (0.03, 0.02))
+    assert hinders_shrinkage(body, "axisymmetric", [bore])
 
 
 @pytest.mark.ranks

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -95,13 +96,11 @@ def test_integrals_at_nodes_sum_to_the_integral(comm, model, cells):
 
 
 @pytest.mark.ranks
-@pytest.mark.parametrize("cells", CELLS)
-@pytest.mark.parametrize("model", MODELS)
-def test_what_is_even_is_shared_by_the_volumes_of_the_nodes(comm, model, cells):
+def test_what_is_even_is_shared_by_the_volumes_of_the_nodes(comm):
     """As nodal volumes by forms: with a third of a triangle for each node, an axis gets 4/3."""
-    body = slab(comm, model, cells)
-    own = body.nodes.dofmap.index_map.size_local
-    for degree in (1, 2):
+    for model, cells, degree in itertools.product(MODELS, CELLS, (1, 2)):
+        body = slab(comm, model, cells)
+        own = body.nodes.dofmap.index_map.size_local
         points = IntegrationPoints(body, model, degree)
         here = points.shared_to_nodes(np.ones(points.count), len(body.parent_vertices))
         found = nodal_sum(body, here)[:own]
