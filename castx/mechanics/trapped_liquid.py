@@ -248,7 +248,8 @@ class Pockets:
         self.content.commit(dilatation, self._pores.open)
         self._pressures.commit(pressure())
         self._pores.commit()
-        self._passes, self._fraction = 0, self._trial_fraction
+        self._passes = 0
+        self._fraction = self._trial_fraction
         self._accepted = [f.x.array.copy() for f in self._functions]
 
     def _warn_of_walls(self) -> None:

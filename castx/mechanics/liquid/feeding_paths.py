@@ -23,7 +23,7 @@ from castx.mechanics.liquid.regions import CellRegions
 
 
 class CutOff(NamedTuple):
-    """What of a body no liquid reaches at the end of a step, and since when in it.
+    """Cells of a body that no liquid reaches at the end of a step, and since when in it.
 
     Attributes:
         region: number of the cut-off region of each cell, −1: none, shape (cells,).
@@ -61,7 +61,7 @@ class FeedingPaths:
     def cut_off(
         self, before: FloatArray, fraction: FloatArray, fed_until: float, fed: BoolArray
     ) -> CutOff:
-        """Return what is cut off at the end of a step, and since when; collective.
+        """Return the cells that are cut off at the end of a step, and since when; collective.
 
         All ranks number the regions alike. When a path froze follows from solid fractions that grow
         evenly in the step: what freezes in a pool that is cut off in a long step would otherwise be
@@ -93,7 +93,7 @@ class FeedingPaths:
         moments: FloatArray,
         behind: Callable[[float], IntArray],
     ) -> CutOff:
-        """Return what is cut off with the moments at which some pools lost their paths; collective.
+        """Return cut-off cells with the moments at which some pools lost their paths; collective.
 
         Args:
             found: so far.

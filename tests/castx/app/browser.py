@@ -207,3 +207,22 @@ class Browser:
         """Write what is seen into a file, .png."""
         data = self._call("Page.captureScreenshot", captureBeyondViewport=whole)["data"]
         path.write_bytes(base64.b64decode(data))
+
+    def picture_of(self, path: Path, element: str, height: float | None = None) -> None:
+        """Write what an element shows into a file, .png.
+
+        Args:
+            path: of the file.
+            element: CSS selector.
+            height: of what is taken from its top [pixels]; None: all of it.
+        """
+        found = f"document.querySelector({json.dumps(element)}).getBoundingClientRect()"
+        box = self.value(f"(b => [b.x + scrollX, b.y + scrollY, b.width, b.height])({found})")
+        x, y, width, whole = box
+        clip = {"x": x, "y": y, "width": width, "height": height or whole, "scale": 1}
+        shot = self._call("Page.captureScreenshot", clip=clip, captureBeyondViewport=True)
+        path.write_bytes(base64.b64decode(shot["data"]))
+
+    def on_paper(self, printed: bool = True) -> None:
+        """Show pages as they are printed, or as on the screen."""
+        self._call("Emulation.setEmulatedMedia", media="print" if printed else "screen")

@@ -1,0 +1,167 @@
+"""The pictures of the manual that show runs, drawn anew, and the findings that stand beside them.
+
+    bin/with-fenicsx python3 bench/manual_pictures.py DIR [--only report]
+
+Runs demos/cylinder.toml, also with a gap that lets all heat through, demos/feeder.toml and
+demos/parts/lug.toml in folders below DIR, unless they are there, and writes demos/pictures. Needs
+chromium-headless-shell, which shows the reports. Pictures of mush_flow and pipe are not among them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from mpi4py import MPI
+
+from castx.case.reading.read import load_case
+from castx.command.run import RunSettings, run_case
+from castx.report.display import display
+from castx.report.page.report import write_report
+from castx.report.page.shots import Shot, shot, topic_of
+from castx.report.reported import ReportedRun
+from castx.report.summary.finding import Shown
+from castx.report.summary.registry import findings
+from castx.results.reading import Results
+from tests.castx.app.browser import Browser, found_browser
+
+DEMOS = Path(__file__).parents[1] / "demos"
+PICTURES = DEMOS / "pictures"
+CASES: Mapping[str, tuple[str, Sequence[str]]] = {
+    "cylinder": ("cylinder.toml", ()),
+    "closed": ("cylinder.toml", ('interfaces.0.heat={law="constant",closed=2300.0}',)),
+    "feeder": ("feeder.toml", ()),
+    "lug": ("parts/lug.toml", ()),
+}
+"""Case files below demos, and what is changed in them, by the name of the run."""
+FREEZING = (10.0, 30.0, 60.0, 120.0)
+"""Moments of the feeder [s]."""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run what is not there, draw the pictures, and print the findings."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("output", type=Path, help="folder of the runs")
+    parser.add_argument("--only", choices=tuple(DRAWN), help="one picture alone")
+    asked = parser.parse_args(arguments)
+    program = found_browser()
+    if program is None:
+        parser.error("needs chromium-headless-shell on this machine")
+    folder = asked.output.resolve()
+    for name in CASES:
+        run(folder, name)
+    with tempfile.TemporaryDirectory() as profile, Browser(program, Path(profile)) as browser:
+        for name, draw in DRAWN.items():
+            if asked.only in (None, name):
+                draw(browser, folder)
+    for name in CASES:
+        for found in findings(Results(folder / name)):
+            print(f"{name}: {found.name}: {found.number}; {found.sentence}")
+
+
+def run(folder: Path, name: str) -> None:
+    """Run a case in a folder below another one, unless it is there."""
+    if (folder / name).is_dir():
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    file, changes = CASES[name]
+    if name == "feeder":
+        made("demos/feeder_mesh.py", folder / "feeder.msh")
+        changes = (*changes, f"geometry.file={folder / 'feeder.msh'}")
+    if name == "lug":
+        made("demos/parts/lug.py", folder / "lug.step")
+        changes = (*changes, f"geometry.file={folder / 'lug.step'}")
+    case = load_case(DEMOS / file, [*changes, f"output.folder={folder / name}"])
+    run_case(case, RunSettings(MPI.COMM_SELF))
+
+
+def made(script: str, file: Path) -> None:
+    """Let a script of the demos write a file."""
+    module = script.removesuffix(".py").replace("/", ".")
+    subprocess.run([sys.executable, "-m", module, str(file)], cwd=DEMOS.parent, check=True)
+
+
+def opened(browser: Browser, folder: Path, name: str, width: int) -> None:
+    """Show the report of a run in a window of a width [pixels]."""
+    browser.resize(width, 900)
+    browser.open(write_report(folder / name).as_uri())
+    browser.wait_for("document.querySelector('.cards') && document.readyState === 'complete'")
+
+
+def stills(name: str, picture: str) -> Callable[[Browser, Path], None]:
+    """Return how to draw the moments of a run that its report has on paper."""
+
+    def draw(browser: Browser, folder: Path) -> None:
+        opened(browser, folder, name, 1200)
+        browser.on_paper()
+        browser.picture_of(PICTURES / f"{picture}.png", ".still .row")
+        browser.on_paper(False)
+
+    return draw
+
+
+def summary(name: str, picture: str, width: int, height: int) -> Callable[[Browser, Path], None]:
+    """Return how to draw the upper part of a report."""
+
+    def draw(browser: Browser, folder: Path) -> None:
+        opened(browser, folder, name, width)
+        browser.picture_of(PICTURES / f"{picture}.png", "body", height)
+
+    return draw
+
+
+def curves(browser: Browser, folder: Path) -> None:
+    """Draw the temperatures of the probes of the lug."""
+    opened(browser, folder, "lug", 900)
+    browser.picture_of(PICTURES / "lug_curves.png", "[data-curves='Probes']", 320)
+
+
+def freezing(browser: Browser, folder: Path) -> None:
+    """Draw the solid fraction of the feeder in four moments."""
+    found = ReportedRun(folder / "feeder")
+    with display():
+        shots = [
+            shot(found, topic_of("solid_fraction"), found.nearest(time, "casting"),
+                 Shown("solid_fraction", ("casting",)))
+            for time in FREEZING
+        ]  # fmt: skip
+    page = folder / "freezing.html"
+    page.write_text(
+        "<meta charset='utf-8'><body style='font: 14px sans-serif'><div id='row' "
+        "style='display: flex; gap: 16px; width: 1180px'>"
+        + "".join(_figure(each) for each in shots if each is not None) + "</div>"
+    )  # fmt: skip
+    browser.resize(1200, 600)
+    browser.open(page.as_uri())
+    browser.wait_for("document.readyState === 'complete'")
+    browser.picture_of(PICTURES / "feeder_solidification.png", "#row")
+
+
+def _figure(drawn: Shot) -> str:
+    (bar, *_) = drawn.bars
+    return (
+        f"<div style='flex: 1'><img style='width: 100%' src='{drawn.source}'>"
+        f"<div>{drawn.time:g} s</div><div style='height: 8px; background: linear-gradient("
+        f"to right, {bar.colours})'></div>{bar.low} … {bar.high} {bar.label}</div>"
+    )
+
+
+DRAWN: Mapping[str, Callable[[Browser, Path], None]] = {
+    "cylinder_temperature": stills("cylinder", "cylinder_temperature"),
+    "report": summary("cylinder", "report", 1200, 1040),
+    "feeder_solidification": freezing,
+    "lug_report": summary("lug", "lug_report", 820, 860),
+    "lug_temperature": stills("lug", "lug_temperature"),
+    "lug_curves": curves,
+}
+"""How to draw each picture."""
+
+
+if __name__ == "__main__":
+    main()
