@@ -10,6 +10,7 @@ chromium-headless-shell, which shows the reports. Pictures of mush_flow and pipe
 from __future__ import annotations
 
 import argparse
+import os
 import subprocess
 import sys
 import tempfile
@@ -22,7 +23,7 @@ from castx.case.reading.read import load_case
 from castx.command.run import RunSettings, run_case
 from castx.report.display import display
 from castx.report.page.report import write_report
-from castx.report.page.shots import Shot, shot, topic_of
+from castx.report.page.shots import Shot, scales_of, shot, topic_of
 from castx.report.reported import ReportedRun
 from castx.report.summary.finding import Shown
 from castx.report.summary.registry import findings
@@ -38,8 +39,10 @@ CASES: Mapping[str, tuple[str, Sequence[str]]] = {
     "lug": ("parts/lug.toml", ()),
 }
 """Case files below demos, and what is changed in them, by the name of the run."""
-FREEZING = (10.0, 30.0, 60.0, 120.0)
-"""Moments of the feeder [s]."""
+HEAD = (
+    "<meta charset='utf-8'><body style='font: 11px sans-serif; margin: 0'>"
+    "<div id='row' style='display: flex; gap: 12px; width: 1180px; padding: 8px'>"
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -54,13 +57,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if program is None:
         parser.error("needs chromium-headless-shell on this machine")
     folder = asked.output.resolve()
-    for name in CASES:
+    drawn = {name: how for name, how in DRAWN.items() if asked.only in (None, name)}
+    cases = {*(case for case, _ in drawn.values()), *(() if asked.only else ("closed",))}
+    for name in sorted(cases):
         run(folder, name)
-    with tempfile.TemporaryDirectory() as profile, Browser(program, Path(profile)) as browser:
-        for name, draw in DRAWN.items():
-            if asked.only in (None, name):
-                draw(browser, folder)
-    for name in CASES:
+    with (
+        tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile,
+        Browser(program, Path(profile)) as browser,
+    ):
+        for _, draw in drawn.values():
+            draw(browser, folder)
+    for name in sorted(cases):
         for found in findings(Results(folder / name)):
             print(f"{name}: {found.name}: {found.number}; {found.sentence}")
 
@@ -77,7 +84,9 @@ def run(folder: Path, name: str) -> None:
     if name == "lug":
         made("demos/parts/lug.py", folder / "lug.step")
         changes = (*changes, f"geometry.file={folder / 'lug.step'}")
-    case = load_case(DEMOS / file, [*changes, f"output.folder={folder / name}"])
+    case = load_case(
+        Path(os.path.relpath(DEMOS / file)), [*changes, f"output.folder={folder / name}"]
+    )
     run_case(case, RunSettings(MPI.COMM_SELF))
 
 
@@ -94,16 +103,45 @@ def opened(browser: Browser, folder: Path, name: str, width: int) -> None:
     browser.wait_for("document.querySelector('.cards') && document.readyState === 'complete'")
 
 
-def stills(name: str, picture: str) -> Callable[[Browser, Path], None]:
-    """Return how to draw the moments of a run that its report has on paper."""
+def moments(
+    name: str, field: str, bodies: Sequence[str], times: Sequence[float], picture: str
+) -> Callable[[Browser, Path], None]:
+    """Return how to draw a field of a run in some moments, with the same colours in all of them."""
 
     def draw(browser: Browser, folder: Path) -> None:
-        opened(browser, folder, name, 1200)
-        browser.on_paper()
-        browser.picture_of(PICTURES / f"{picture}.png", ".still .row")
-        browser.on_paper(False)
+        found, topic = ReportedRun(folder / name), topic_of(field)
+        written = [found.nearest(time, bodies[0]) for time in times]
+        limits: dict[str, tuple[float, float]] = {}
+        for time in written:
+            for scale in scales_of(found.grids(time), topic, bodies):
+                key, own = f"{field} {scale.colours}", scale.limits
+                low, high = limits.get(key, own)
+                limits[key] = min(low, own[0]), max(high, own[1])
+        with display():
+            shots = [
+                shot(found, topic, t, Shown(field, tuple(bodies)), None, limits) for t in written
+            ]
+        page = folder / f"{picture}.html"
+        page.write_text(HEAD + "".join(_figure(each) for each in shots if each) + "</div>")
+        browser.resize(1200, 600)
+        browser.open(page.as_uri())
+        browser.wait_for("document.readyState === 'complete'")
+        browser.picture_of(PICTURES / f"{picture}.png", "#row")
 
     return draw
+
+
+def _figure(drawn: Shot) -> str:
+    bars = "".join(
+        f"<div style='height: 8px; background: linear-gradient(to right, {bar.colours})'></div>"
+        f"<div style='display: flex; justify-content: space-between'><span>{bar.low}</span>"
+        f"<span>{bar.label}</span><span>{bar.high}</span></div>"
+        for bar in drawn.bars
+    )
+    return (
+        f"<div style='flex: 1'><img style='width: 100%' src='{drawn.source}'>"
+        f"<div style='font-size: 14px'>{drawn.time:.4g} s</div>{bars}</div>"
+    )
 
 
 def summary(name: str, picture: str, width: int, height: int) -> Callable[[Browser, Path], None]:
@@ -122,45 +160,36 @@ def curves(browser: Browser, folder: Path) -> None:
     browser.picture_of(PICTURES / "lug_curves.png", "[data-curves='Probes']", 320)
 
 
-def freezing(browser: Browser, folder: Path) -> None:
-    """Draw the solid fraction of the feeder in four moments."""
-    found = ReportedRun(folder / "feeder")
-    with display():
-        shots = [
-            shot(found, topic_of("solid_fraction"), found.nearest(time, "casting"),
-                 Shown("solid_fraction", ("casting",)))
-            for time in FREEZING
-        ]  # fmt: skip
-    page = folder / "freezing.html"
-    page.write_text(
-        "<meta charset='utf-8'><body style='font: 14px sans-serif'><div id='row' "
-        "style='display: flex; gap: 16px; width: 1180px'>"
-        + "".join(_figure(each) for each in shots if each is not None) + "</div>"
-    )  # fmt: skip
-    browser.resize(1200, 600)
-    browser.open(page.as_uri())
-    browser.wait_for("document.readyState === 'complete'")
-    browser.picture_of(PICTURES / "feeder_solidification.png", "#row")
-
-
-def _figure(drawn: Shot) -> str:
-    (bar, *_) = drawn.bars
-    return (
-        f"<div style='flex: 1'><img style='width: 100%' src='{drawn.source}'>"
-        f"<div>{drawn.time:g} s</div><div style='height: 8px; background: linear-gradient("
-        f"to right, {bar.colours})'></div>{bar.low} … {bar.high} {bar.label}</div>"
-    )
-
-
-DRAWN: Mapping[str, Callable[[Browser, Path], None]] = {
-    "cylinder_temperature": stills("cylinder", "cylinder_temperature"),
-    "report": summary("cylinder", "report", 1200, 1040),
-    "feeder_solidification": freezing,
-    "lug_report": summary("lug", "lug_report", 820, 860),
-    "lug_temperature": stills("lug", "lug_temperature"),
-    "lug_curves": curves,
+DRAWN: Mapping[str, tuple[str, Callable[[Browser, Path], None]]] = {
+    "cylinder_temperature": (
+        "cylinder",
+        moments(
+            "cylinder",
+            "temperature",
+            ["casting"],
+            (10.0, 20.0, 35.0, 65.0, 90.0),
+            "cylinder_temperature",
+        ),
+    ),
+    "report": ("cylinder", summary("cylinder", "report", 1200, 1040)),
+    "feeder_solidification": (
+        "feeder",
+        moments(
+            "feeder",
+            "solid_fraction",
+            ["casting"],
+            (10.0, 30.0, 60.0, 120.0),
+            "feeder_solidification",
+        ),
+    ),
+    "lug_report": ("lug", summary("lug", "lug_report", 820, 860)),
+    "lug_temperature": (
+        "lug",
+        moments("lug", "temperature", ["lug"], (5.0, 10.0, 15.0, 60.0), "lug_temperature"),
+    ),
+    "lug_curves": ("lug", curves),
 }
-"""How to draw each picture."""
+"""The run that each picture shows, and how to draw it."""
 
 
 if __name__ == "__main__":

@@ -222,7 +222,3 @@ class Browser:
         clip = {"x": x, "y": y, "width": width, "height": height or whole, "scale": 1}
         shot = self._call("Page.captureScreenshot", clip=clip, captureBeyondViewport=True)
         path.write_bytes(base64.b64decode(shot["data"]))
-
-    def on_paper(self, printed: bool = True) -> None:
-        """Show pages as they are printed, or as on the screen."""
-        self._call("Emulation.setEmulatedMedia", media="print" if printed else "screen")
