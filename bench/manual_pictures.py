@@ -10,6 +10,7 @@ chromium-headless-shell, which shows the reports. Pictures of mush_flow and pipe
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import subprocess
 import sys
@@ -39,6 +40,8 @@ CASES: Mapping[str, tuple[str, Sequence[str]]] = {
     "lug": ("parts/lug.toml", ()),
 }
 """Case files below demos, and what is changed in them, by the name of the run."""
+CURVES = "[data-curves='Cooling curves']"
+Draw = Callable[[Browser, Path, Path], None]
 HEAD = (
     "<meta charset='utf-8'><body style='font: 11px sans-serif; margin: 0'>"
     "<div id='row' style='display: flex; gap: 12px; width: 1180px; padding: 8px'>"
@@ -65,8 +68,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile,
         Browser(program, Path(profile)) as browser,
     ):
-        for _, draw in drawn.values():
-            draw(browser, folder)
+        for name, (_, draw) in drawn.items():
+            draw(browser, folder, PICTURES / f"{name}.png")
     for name in sorted(cases):
         for found in findings(Results(folder / name)):
             print(f"{name}: {found.name}: {found.number}; {found.sentence}")
@@ -96,37 +99,36 @@ def made(script: str, file: Path) -> None:
     subprocess.run([sys.executable, "-m", module, str(file)], cwd=DEMOS.parent, check=True)
 
 
-def opened(browser: Browser, folder: Path, name: str, width: int) -> None:
-    """Show the report of a run in a window of a width [pixels]."""
-    browser.resize(width, 900)
-    browser.open(write_report(folder / name).as_uri())
+def opened(browser: Browser, folder: Path, name: str) -> None:
+    """Show the report of a run, with paths as they are in the repository."""
+    browser.resize(1200, 900)
+    page, shown = write_report(folder / name), folder / "shown.html"
+    shown.write_text(page.read_text("utf-8").replace(f"{DEMOS.parent}/", ""), "utf-8")
+    browser.open(shown.as_uri())
     browser.wait_for("document.querySelector('.cards') && document.readyState === 'complete'")
 
 
-def moments(
-    name: str, field: str, bodies: Sequence[str], times: Sequence[float], picture: str
-) -> Callable[[Browser, Path], None]:
-    """Return how to draw a field of a run in some moments, with the same colours in all of them."""
+def moments(name: str, field: str, body: str, times: Sequence[float], alike: bool = True) -> Draw:
+    """Return how to draw a field of a run in some moments, in the colours of all or of each."""
 
-    def draw(browser: Browser, folder: Path) -> None:
+    def draw(browser: Browser, folder: Path, picture: Path) -> None:
         found, topic = ReportedRun(folder / name), topic_of(field)
-        written = [found.nearest(time, bodies[0]) for time in times]
+        written = [found.nearest(time, body) for time in times]
         limits: dict[str, tuple[float, float]] = {}
         for time in written:
-            for scale in scales_of(found.grids(time), topic, bodies):
+            for scale in scales_of(found.grids(time), topic, [body]):
                 key, own = f"{field} {scale.colours}", scale.limits
                 low, high = limits.get(key, own)
                 limits[key] = min(low, own[0]), max(high, own[1])
         with display():
-            shots = [
-                shot(found, topic, t, Shown(field, tuple(bodies)), None, limits) for t in written
-            ]
-        page = folder / f"{picture}.html"
+            how, colours = Shown(field, (body,)), limits if alike else {}
+            shots = [shot(found, topic, time, how, None, colours) for time in written]
+        page = folder / "moments.html"
         page.write_text(HEAD + "".join(_figure(each) for each in shots if each) + "</div>")
         browser.resize(1200, 600)
         browser.open(page.as_uri())
         browser.wait_for("document.readyState === 'complete'")
-        browser.picture_of(PICTURES / f"{picture}.png", "#row")
+        browser.picture_of(picture, "#row")
 
     return draw
 
@@ -144,51 +146,38 @@ def _figure(drawn: Shot) -> str:
     )
 
 
-def summary(name: str, picture: str, width: int, height: int) -> Callable[[Browser, Path], None]:
+def summary(name: str, height: int) -> Draw:
     """Return how to draw the upper part of a report."""
 
-    def draw(browser: Browser, folder: Path) -> None:
-        opened(browser, folder, name, width)
-        browser.picture_of(PICTURES / f"{picture}.png", "body", height)
+    def draw(browser: Browser, folder: Path, picture: Path) -> None:
+        opened(browser, folder, name)
+        browser.picture_of(picture, "body", height)
 
     return draw
 
 
-def curves(browser: Browser, folder: Path) -> None:
-    """Draw the temperatures of the probes of the lug."""
-    opened(browser, folder, "lug", 900)
-    browser.picture_of(PICTURES / "lug_curves.png", "[data-curves='Probes']", 320)
+def curves(browser: Browser, folder: Path, picture: Path) -> None:
+    """Draw the temperatures at the probes of the lug."""
+    opened(browser, folder, "lug")
+    browser.value(f"document.querySelector({json.dumps(CURVES)}).scrollIntoView()")
+    browser.wait_for(f"document.querySelector({json.dumps(CURVES + ' canvas')})?.width > 0")
+    browser.picture_of(picture, CURVES)
 
 
-DRAWN: Mapping[str, tuple[str, Callable[[Browser, Path], None]]] = {
+DRAWN: Mapping[str, tuple[str, Draw]] = {
     "cylinder_temperature": (
-        "cylinder",
-        moments(
-            "cylinder",
-            "temperature",
-            ["casting"],
-            (10.0, 20.0, 35.0, 65.0, 90.0),
-            "cylinder_temperature",
-        ),
+        "cylinder", moments("cylinder", "temperature", "casting", (10.0, 20.0, 35.0, 65.0, 90.0))
     ),
-    "report": ("cylinder", summary("cylinder", "report", 1200, 1040)),
+    "report": ("cylinder", summary("cylinder", 1040)),
     "feeder_solidification": (
-        "feeder",
-        moments(
-            "feeder",
-            "solid_fraction",
-            ["casting"],
-            (10.0, 30.0, 60.0, 120.0),
-            "feeder_solidification",
-        ),
+        "feeder", moments("feeder", "solid_fraction", "casting", (10.0, 30.0, 60.0, 120.0))
     ),
-    "lug_report": ("lug", summary("lug", "lug_report", 820, 860)),
+    "lug_report": ("lug", summary("lug", 900)),
     "lug_temperature": (
-        "lug",
-        moments("lug", "temperature", ["lug"], (5.0, 10.0, 15.0, 60.0), "lug_temperature"),
+        "lug", moments("lug", "temperature", "lug", (5.0, 10.0, 15.0, 60.0), alike=False)
     ),
     "lug_curves": ("lug", curves),
-}
+}  # fmt: skip
 """The run that each picture shows, and how to draw it."""
 
 
