@@ -105,7 +105,7 @@ def opened(browser: Browser, folder: Path, name: str) -> None:
     page, shown = write_report(folder / name), folder / "shown.html"
     shown.write_text(page.read_text("utf-8").replace(f"{DEMOS.parent}/", ""), "utf-8")
     browser.open(shown.as_uri())
-    browser.wait_for("document.querySelector('.cards') && document.readyState === 'complete'")
+    browser.wait_for("document.getElementById('view')?.dataset.ready === 'yes'")
 
 
 def moments(name: str, field: str, body: str, times: Sequence[float], alike: bool = True) -> Draw:
@@ -161,6 +161,7 @@ def curves(browser: Browser, folder: Path, picture: Path) -> None:
     opened(browser, folder, "lug")
     browser.value(f"document.querySelector({json.dumps(CURVES)}).scrollIntoView()")
     browser.wait_for(f"document.querySelector({json.dumps(CURVES + ' canvas')})?.width > 0")
+    browser.value("window.scrollTo(0, 0)")
     browser.picture_of(picture, CURVES)
 
 
