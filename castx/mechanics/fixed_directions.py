@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 from mpi4py import MPI
 
@@ -14,6 +13,7 @@ from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.measures import bounding_box, nodal_area_vectors
 from castx.domain.mesh import BodyMesh
 from castx.errors import CaseError
+from castx.mechanics.rigid_modes import rigid_motions
 from castx.meshes.model import SYMMETRY
 from castx.tables import Table
 
@@ -159,14 +159,15 @@ def hinders_shrinkage(body: BodyMesh, model: str, fixed: Sequence[FixedDirection
     low, high = bounding_box(body.points, comm)
     size = float(np.linalg.norm(high - low))
     free = [condition for condition in fixed if condition.value is None]
-    rigid = _motions(np.zeros((0, len(low))), model).shape[1]
+    rigid = len(rigid_motions(np.zeros((0, len(low))), model, (low, high)))
     A, b = [np.zeros((0, rigid + len(free)))], [np.zeros(0)]
     for condition in fixed:
-        e = condition.directions
-        x: FloatArray = np.subtract(body.points[condition.nodes], low) / np.float64(size)
+        e, points = condition.directions, body.points[condition.nodes]
+        x: FloatArray = np.subtract(points, low) / np.float64(size)
         if model == "axisymmetric":
             x[:, 0] += low[0] / size
-        moved = np.sum(_motions(x, model) * e[:, np.newaxis], axis=2)
+        motions = rigid_motions(points, model, (low, high))
+        moved = np.column_stack([np.sum(motion * e, axis=1) for motion in motions])
         equal = np.array([float(condition is other) for other in free])
         A.append(np.hstack([moved, np.tile(equal, (len(e), 1))]))
         b.append(np.sum(e * x, axis=1))
@@ -175,20 +176,6 @@ def hinders_shrinkage(body: BodyMesh, model: str, fixed: Sequence[FixedDirection
     found = np.linalg.lstsq(normal[:, :-1], normal[:, -1])[0]
     off = float(np.abs(rows @ found - wanted).max(initial=0.0))
     return bool(comm.allreduce(off, op=MPI.MAX) > HELD)
-
-
-def _motions(points: FloatArray, model: str) -> FloatArray:
-    """Return rigid motions at points, shape (points, motions, dimension)."""
-    count, dimension = points.shape
-    if model == "axisymmetric":
-        return np.tile([[[0.0, 1.0]]], (count, 1, 1))
-    turns = []
-    for i, j in combinations(range(dimension), 2):
-        turn = np.zeros_like(points)
-        turn[:, i], turn[:, j] = -points[:, j], points[:, i]
-        turns.append(turn)
-    moves = np.tile(np.eye(dimension), (count, 1, 1))
-    return np.concatenate([moves, np.stack(turns, axis=1)], axis=1)
 
 
 def axes_of(model: str) -> dict[str, int]:

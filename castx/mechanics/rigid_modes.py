@@ -33,11 +33,7 @@ def rigid_modes(unknowns: BodyUnknowns, box: Box | None = None) -> FloatArray:
     d, size = unknowns.dimension, unknowns.block_size
     points = _points(unknowns)
     owned = len(points)
-    if unknowns.model == "axisymmetric":
-        motions = [np.tile([0.0, 1.0], (owned, 1))]
-    else:
-        motions = [np.tile(e, (owned, 1)) for e in np.eye(d)]
-        motions += _rotations(points, box or extent([unknowns]))
+    motions = rigid_motions(points, unknowns.model, box or extent([unknowns]))
     modes = np.zeros((len(motions), owned, size))
     for mode, motion in zip(modes, motions, strict=True):
         mode[:, :d] = motion
@@ -91,6 +87,20 @@ def _points(unknowns: BodyUnknowns) -> FloatArray:
     owned = unknowns.space.dofmap.index_map.size_local
     places = unknowns.mesh.nodes.tabulate_dof_coordinates()
     return np.asarray(places[:owned, : unknowns.dimension])
+
+
+def rigid_motions(points: FloatArray, model: str, box: Box) -> list[FloatArray]:
+    """Return the rigid motions at points, each of shape (points, dimension).
+
+    Args:
+        points: shape (points, dimension) [m].
+        model: geometric model; axisymmetric bodies have only the axial translation.
+        box: of the rotations, see `rigid_modes`.
+    """
+    if model == "axisymmetric":
+        return [np.tile([0.0, 1.0], (len(points), 1))]
+    moves = [np.tile(e, (len(points), 1)) for e in np.eye(points.shape[1])]
+    return [*moves, *_rotations(points, box)]
 
 
 def _rotations(points: FloatArray, box: Box) -> list[FloatArray]:

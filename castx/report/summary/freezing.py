@@ -25,10 +25,11 @@ def freezing(run: Results) -> Iterator[Finding]:
     for body in run.freezing:
         time, fraction = first_frozen(run, body)
         known = np.flatnonzero(np.isfinite(fraction))
-        liquid = known[fraction[known] < FULLY_SOLID]
         frozen = np.flatnonzero(fraction >= FULLY_SOLID)
-        if frozen.size and not (liquid.size and liquid[-1] == known[-1]):
-            last = int(frozen[0] if not liquid.size else known[known > liquid[-1]][0])
+        liquid = np.flatnonzero(fraction < FULLY_SOLID).max(initial=-1)
+        for_good = frozen[frozen > liquid]
+        if for_good.size:
+            last = int(for_good[0])
             again = float(time[frozen[0]]) if last != frozen[0] else None
             yield last_liquid(run, body, float(time[max(last - 1, 0)]), float(time[last]), again)
             continue

@@ -127,13 +127,18 @@ def frozen_at(start: np.ndarray, share: np.ndarray | float, fed_until: float) ->
     return start + (fed_until + 1e-9 - start) / share
 
 
+def column_below_the_top(body: BodyMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray, FeedingPaths]:
+    """Return the nodes of a column and of the top, solid fractions 0.3 in the column, and paths."""
+    r, z = places(body)
+    column = r < RADIUS / 3
+    paths = FeedingPaths(body, "axisymmetric", ["mould", "base"])
+    return column, z > HEIGHT - 1e-6, np.where(column, 0.3, 1.0), paths
+
+
 @pytest.mark.ranks
 def test_a_pool_that_is_cut_off_in_a_step_says_since_when(casting) -> None:
     """A skin closes the top of a column after a share of the step, and walls freeze at its end."""
-    r, z = places(casting)
-    column, surface = r < RADIUS / 3, z > HEIGHT - 1e-6
-    before = np.where(column, 0.3, 1.0)
-    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base"])
+    column, surface, before, paths = column_below_the_top(casting)
     fed = paths.pockets(before, 0.6) < 0
     inside = wet_cells(casting, column & ~surface)
     for share in np.linspace(0.02, 0.98, 25):
@@ -149,10 +154,8 @@ def test_a_pool_that_is_cut_off_in_a_step_says_since_when(casting) -> None:
 @pytest.mark.ranks
 def test_what_freezes_behind_the_cut_is_fed_until_then(casting) -> None:
     """The lower half of the column freezes at 0.8 of the step; the cut is at 0.3 of it."""
-    r, z = places(casting)
-    column, surface, low = r < RADIUS / 3, z > HEIGHT - 1e-6, z < HEIGHT / 2
-    before = np.where(column, 0.3, 1.0)
-    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base"])
+    column, surface, before, paths = column_below_the_top(casting)
+    low = places(casting)[1] < HEIGHT / 2
     fed = paths.pockets(before, 0.6) < 0
     after = np.where(column & surface, frozen_at(before, 0.3, 0.6), before)
     after = np.where(column & low, frozen_at(before, 0.8, 0.6), after)
@@ -168,10 +171,7 @@ def test_what_freezes_behind_the_cut_is_fed_until_then(casting) -> None:
 @pytest.mark.ranks
 def test_a_pool_that_is_cut_off_and_freezes_in_one_step_is_dated(casting) -> None:
     """All freezes: the surface at 0.4 of the step, the column below it at 0.9."""
-    r, z = places(casting)
-    column, surface = r < RADIUS / 3, z > HEIGHT - 1e-6
-    before = np.where(column, 0.3, 1.0)
-    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base"])
+    column, surface, before, paths = column_below_the_top(casting)
     after = np.where(column, frozen_at(before, np.where(surface, 0.4, 0.9), 0.6), before)
     cut = paths.cut_off(before, after, 0.6, paths.pockets(before, 0.6) < 0)
     inside = wet_cells(casting, column & ~surface)
@@ -183,11 +183,9 @@ def test_a_pool_that_is_cut_off_and_freezes_in_one_step_is_dated(casting) -> Non
 @pytest.mark.ranks
 def test_pools_part_from_the_surface_each_at_its_moment(casting) -> None:
     """A lower pool is cut off at 0.2 of the step, an upper one at 0.7."""
-    r, z = places(casting)
-    column, surface = r < RADIUS / 3, z > HEIGHT - 1e-6
+    column, surface, before, paths = column_below_the_top(casting)
+    z = places(casting)[1]
     neck = np.abs(z - HEIGHT / 2) < 0.6 * SIZE
-    before = np.where(column, 0.3, 1.0)
-    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base"])
     after = np.where(column & surface, frozen_at(before, 0.7, 0.6), before)
     after = np.where(column & neck, frozen_at(before, 0.2, 0.6), after)
     cut = paths.cut_off(before, after, 0.6, paths.pockets(before, 0.6) < 0)
@@ -202,10 +200,7 @@ def test_pools_part_from_the_surface_each_at_its_moment(casting) -> None:
 @pytest.mark.ranks
 def test_pure_metal_is_cut_off_in_the_middle_of_the_step(casting) -> None:
     """Its solid fraction is one at the end, and was one from some moment on."""
-    r, z = places(casting)
-    column, surface = r < RADIUS / 3, z > HEIGHT - 1e-6
-    before = np.where(column, 0.3, 1.0)
-    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base"])
+    column, surface, before, paths = column_below_the_top(casting)
     after = np.where(column & surface, 1.0, before)
     cut = paths.cut_off(before, after, 1.0, paths.pockets(before, 1.0) < 0)
     assert np.all(cut.moment[cut.region >= 0] == 0.5)
