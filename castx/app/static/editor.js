@@ -70,35 +70,42 @@ castx.editor = (() => {
     if (mine === checks) take(answer);
   };
 
-  const open = async (path) => {
+  // Reading, changing and saving the file take turns: an answer that comes late would undo the one before.
+  const settled = () => last.catch(() => {});
+  const inTurn = (act) => { last = settled().then(act); return last; };
+
+  const read = async (path, wanted = () => true) => {
     const answer = await server.ask("open", { path });
+    if (!wanted()) return false;
     Object.assign(state, { path, case: null });
     checks++;
     take(answer);
+    return true;
   };
+  const open = (path) => inTurn(() => read(path));
 
   // The file has another text than the page read: show it, unless something was typed here since.
-  const changed = async (path, digest) => {
-    if (path !== state.path || digest !== state.digest) return;
-    if (!dirty()) { await open(path); at("dirty").textContent = "read anew: it has changed on the disk"; return; }
-    at("dirty").textContent = "not saved, and changed on the disk: open it again to see how";
-  };
+  const changed = (path, digest) => inTurn(async () => {
+    const known = () => path === state.path && digest === state.digest;
+    if (!known()) return;
+    if (!dirty() && (await read(path, () => !dirty()))) at("dirty").textContent = "read anew: it has changed on the disk";
+    else at("dirty").textContent = "not saved, and changed on the disk: open it again to see how";
+  });
 
   // Ask for a change of the file as it is shown; it is written and shown as it is then.
-  // A change waits for the one before, whose text it would undo.
-  const change = (action, asked = {}) => {
-    const changed_ = async () => {
-      checks++;
+  // Nothing can be typed meanwhile, for the answer takes the place of the text.
+  const change = (action, asked = {}) => inTurn(async () => {
+    checks++;
+    area.readOnly = true;
+    try {
       const answer = await server.ask(action, { path: state.path, text: area.value, digest: state.digest, ...asked });
       take(answer);
       return answer;
-    };
-    const mine = settled().then(changed_);
-    last = mine;
-    return mine;
-  };
+    } finally {
+      area.readOnly = false;
+    }
+  });
 
-  const settled = () => last.catch(() => {});
   const save = () => change("save");
   const saved = async () => { await settled(); if (dirty()) await save(); };
 

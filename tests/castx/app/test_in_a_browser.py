@@ -59,6 +59,53 @@ def test_a_field_of_a_form_is_written_into_the_case_file_and_refused_beside(open
     assert found["time"] == {"end": "8 min"} and found["bodies"][0]["law"] == "rigid"
 
 
+HELD = """(() => {
+  const ask = castx.server.ask, held = { asked: false };
+  castx.server.ask = async (action, asked) => {
+    const answer = await ask(action, asked);
+    if (action === "%s") {
+      held.asked = true;
+      await new Promise((go) => { held.go = () => { castx.server.ask = ask; go(); }; });
+    }
+    return answer;
+  };
+  castx.held = held;
+})()"""
+"""Answers to one action come when `castx.held.go` is called, as from a busy machine."""
+
+
+def test_what_is_typed_while_a_changed_file_is_read_stays(opened):
+    browser, folder = opened
+    browser.value("castx.tabs.show('Case')")
+    browser.value(HELD % "open")
+    (folder / "bar.toml").write_text(CASE + "# by another editor\n")
+    browser.wait_for("castx.held.asked")
+    browser.write("#text", "# typed meanwhile\n")
+    browser.value("castx.held.go()")
+    browser.wait_for("castx.at('dirty').textContent.startsWith('not saved, and changed on the')")
+    assert browser.value("castx.at('text').value") == CASE + "# typed meanwhile\n"
+    assert browser.value("castx.at('save').disabled") is False
+
+
+def test_nothing_is_typed_or_opened_while_a_field_is_written(opened):
+    browser, folder = opened
+    (folder / "other.toml").write_text(CASE + "# other\n")
+    browser.value("castx.tabs.show('Case')")
+    browser.wait_for("document.querySelector('[data-key=\"time.end\"]') !== null")
+    browser.value(HELD % "set")
+    browser.value(f"{ENTER}(['time.end', '8 min'])")
+    browser.wait_for("castx.held.asked")
+    browser.write("#text", "# lost")
+    assert browser.value("castx.at('text').value") == CASE
+    browser.value("void castx.open('other.toml')")
+    browser.value("castx.held.go()")
+    browser.wait_for("castx.at('file-name').textContent === 'other.toml'")
+    assert browser.value("castx.at('text').value") == CASE + "# other\n"
+    assert tomllib.loads((folder / "bar.toml").read_text())["time"] == {"end": "8 min"}
+    browser.write("#text", "# typed")
+    browser.wait_for("castx.editor.dirty()")
+
+
 def test_a_size_is_written_and_the_mesh_that_it_makes_is_drawn(opened):
     browser, folder = opened
     browser.value("castx.tabs.show('Mesh')")
