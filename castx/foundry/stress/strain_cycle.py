@@ -1,6 +1,10 @@
-"""The strain range of the cells of a die over a cycle, Δε = Δσ_vM/E + Δε_eq.
+"""The strain range of the cells of a die over a cycle, Δε = √(2/3) ‖dev Δε_m‖.
 
-Stress over E at its own temperature and viscoplastic strain are followed as a path. Its range is
+The mechanical strain ε_m = 3/2 σ/E + ε_vp, with E at the temperature of the cell, is followed as
+a path; the first part has the von Mises stress over E as its equivalent, like a bar. Components are
+subtracted and then made one number, after ASME BPVC III-5, HBB-T-1413: stress and flow of one
+direction add up, Δσ_vM/E + Δε_eq as in a settled cycle; when a clamped surface that has yielded hot
+is drawn as it cools they are of opposite ones, and its strain is what is left of both. The range is
 the distance between the two states of the cycle that were farthest apart, the width of the loop as
 Coffin and Manson mean it: L. F. Coffin, Trans. ASME 76 (1954) 931; S. S. Manson, NACA TN 2933
 (1953). The two are found by keeping a pair and replacing one of both by a new state that is farther
@@ -15,28 +19,21 @@ from castx.arrays import FloatArray
 from castx.stateful import Arrays, Numbering, Saved, number
 
 MOMENTS = ("first", "second", "last")
-STRESS, PLASTIC, TEMPERATURE, SIZE = slice(0, 6), slice(6, 12), 12, 13
+STRAIN, TEMPERATURE, SIZE = slice(0, 6), 6, 7
 """Columns of a state."""
 
 
 def distance(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return √(3/2)‖dev(a - b)‖ of tensors (cells, 6) in the order xx, yy, zz, xy, xz, yz."""
+    """Return √(2/3) ‖dev(a - b)‖ of tensors (cells, 6) in the order xx, yy, zz, xy, xz, yz."""
     away = one - other
     normal = away[:, :3] - away[:, :3].mean(axis=1, keepdims=True)
-    return np.asarray(np.sqrt(1.5 * (np.sum(normal**2, 1) + 2.0 * np.sum(away[:, 3:] ** 2, 1))))
-
-
-def width(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return Δσ_vM/E + √(2/3)‖Δε_vp‖ of states (cells, 13), (cells,).
-
-    A viscoplastic strain has no volume: √(2/3)‖ε‖ is two thirds of √(3/2)‖dev ε‖.
-    """
-    elastic = distance(one[:, STRESS], other[:, STRESS])
-    return elastic + distance(one[:, PLASTIC], other[:, PLASTIC]) / 1.5
+    return np.asarray(np.sqrt((np.sum(normal**2, 1) + 2.0 * np.sum(away[:, 3:] ** 2, 1)) / 1.5))
 
 
 class StrainCycle:
     """Extremes of the present cycle, and those of the last whole one.
+
+    Their distance is the range, Δε = √(2/3) ‖dev Δ(3/2 σ/E + ε_vp)‖.
 
     Args:
         cells: owned by this rank.
@@ -60,7 +57,7 @@ class StrainCycle:
             plastic: viscoplastic strain, (cells, 6).
             temperature: of the cells, (cells,) [°C].
         """
-        now = np.column_stack([stress, plastic, temperature])
+        now = np.column_stack([1.5 * stress + plastic, temperature])
         if self._cycle < 0:
             self._states = {name: now.copy() for name in MOMENTS}
         elif cycle != self._cycle:
@@ -68,8 +65,8 @@ class StrainCycle:
             self._states |= {name: self._states["last"].copy() for name in MOMENTS[:2]}
         self._cycle = cycle
         first, second = self._states["first"], self._states["second"]
-        from_first, from_second = (width(now, state) for state in (first, second))
-        farther = np.maximum(from_first, from_second) > width(first, second)
+        from_first, from_second = (_width(now, state) for state in (first, second))
+        farther = np.maximum(from_first, from_second) > _width(first, second)
         instead_of_first = farther & (from_second >= from_first)
         instead_of_second = farther & ~instead_of_first
         first[instead_of_first] = now[instead_of_first]
@@ -77,7 +74,7 @@ class StrainCycle:
         self._states["last"] = now
 
     def _range(self) -> FloatArray:
-        return width(self._states["first"], self._states["second"])
+        return _width(self._states["first"], self._states["second"])
 
     def _middle(self) -> FloatArray:
         first, second = self._states["first"], self._states["second"]
@@ -107,3 +104,8 @@ class StrainCycle:
         self._states = {name: arrays[name][:cells].copy() for name in MOMENTS}
         self._whole = arrays["whole"][:cells].copy()
         self._cycle = int(arrays["cycle"])
+
+
+def _width(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the strain between states (cells, 7), (cells,)."""
+    return distance(one[:, STRAIN], other[:, STRAIN])
