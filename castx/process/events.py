@@ -73,6 +73,11 @@ class Events:
                 body, found["force"], found["friction"], found["normal"],
             )  # fmt: skip
 
+    @property
+    def cycles_ended(self) -> int:
+        """Number of the cycles that have come to their end."""
+        return sum("change" in event for event in self.known)
+
     def note_cycle(self, time: float, cycle: int, change: float | None, periodic: float) -> None:
         """Note the end of a cycle.
 

@@ -111,6 +111,7 @@ class Process:
             stage=phase.stage,
             cycle=phase.cycle,
             cycle_start=phase.cycle_start,
+            cycles_ended=self._events.cycles_ended,
             renewed=self._renewed,
             events=tuple(self._events.known),
             staged=len(self.schedule.phases) > 1,

@@ -65,7 +65,8 @@ class DieSurfaces:
             modulus = self._steels[name].young_modulus(temperature)
             stress = state.cellwise(name, "stress")[: len(corners)] / modulus[:, None]
             plastic = state.cellwise(name, "viscoplastic_strain")[: len(corners)]
-            cycles.update(state.process.cycle, stress, plastic, temperature)
+            ended = state.process.cycles_ended == state.process.cycle
+            cycles.update(state.process.cycle, stress, plastic, temperature, ended)
 
     def field(self, body: str, name: str) -> FloatArray | None:
         """Return strain range or life [cycles] of the owned cells, (cells,); None: unknown."""

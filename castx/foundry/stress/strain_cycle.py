@@ -47,7 +47,12 @@ class StrainCycle:
         self._cycle = -1
 
     def update(
-        self, cycle: int, stress: FloatArray, plastic: FloatArray, temperature: FloatArray
+        self,
+        cycle: int,
+        stress: FloatArray,
+        plastic: FloatArray,
+        temperature: FloatArray,
+        ended: bool = False,
     ) -> None:
         """Take over the state at the end of a step.
 
@@ -56,12 +61,12 @@ class StrainCycle:
             stress: over Young's modulus at the temperature of the cell, (cells, 6).
             plastic: viscoplastic strain, (cells, 6).
             temperature: of the cells, (cells,) [°C].
+            ended: whether the cycle ends with this step.
         """
         now = np.column_stack([1.5 * stress + plastic, temperature])
         if self._cycle < 0:
             self._states = {name: now.copy() for name in MOMENTS}
         elif cycle != self._cycle:
-            self._whole = np.column_stack([self._range(), self._middle()])
             self._states |= {name: self._states["last"].copy() for name in MOMENTS[:2]}
         self._cycle = cycle
         first, second = self._states["first"], self._states["second"]
@@ -72,6 +77,8 @@ class StrainCycle:
         first[instead_of_first] = now[instead_of_first]
         second[instead_of_second] = now[instead_of_second]
         self._states["last"] = now
+        if ended:
+            self._whole = np.column_stack([self._range(), self._middle()])
 
     def _range(self) -> FloatArray:
         return _width(self._states["first"], self._states["second"])

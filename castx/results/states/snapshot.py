@@ -25,6 +25,7 @@ class ProcessState:
         stage: number of the stage; 0 is the start.
         cycle: number of the cycle, from 1.
         cycle_start: time at which it has begun [s].
+        cycles_ended: number of the cycles that have come to their end.
         renewed: bodies that were new when the last step began.
         events: stages that have begun and cycles that have ended so far, as JSON knows them.
         staged: whether there are several stages at all.
@@ -33,6 +34,7 @@ class ProcessState:
     stage: int = 0
     cycle: int = 1
     cycle_start: float = 0.0
+    cycles_ended: int = 0
     renewed: frozenset[str] = frozenset()
     events: tuple[Mapping[str, Any], ...] = ()
     staged: bool = False

@@ -118,8 +118,10 @@ def test_the_end_of_a_cycle_is_compared_once():
     for time in (1.0, 3.0):
         run.end_step(time)
     run.proceed(3.0, lambda: TOTALS)
-    for time in (3.5, 4.0):
-        run.end_step(time)
+    run.end_step(3.5)
+    assert run.state().cycles_ended == 0
+    run.end_step(4.0)
+    assert run.state().cycles_ended == 1 == run.state().cycle
     changes = [event["change"] for event in run.state().events if "change" in event]
     assert changes == [3.0]
 

@@ -21,11 +21,12 @@ def cycles():
     return StrainCycle(CELLS, Numbering("cells of die", np.arange(CELLS), CELLS, ("die",)))
 
 
-def follow(found, cycle, path, plastic=0.0, temperature=20.0):
-    for value in path:
+def follow(found, cycle, path, plastic=0.0, ends=False):
+    """Take stresses over E at 20 °C and 100 K per unit of them; the last may end the cycle."""
+    for number, value in enumerate(path, 1):
         found.update(
             cycle, value * SIZES[:, None] * TENSION, np.tile(plastic * DRAWN, (CELLS, 1)),
-            np.full(CELLS, temperature + 100.0 * value),
+            np.full(CELLS, 20.0 + 100.0 * value), ended=ends and number == len(path),
         )  # fmt: skip
 
 
@@ -77,11 +78,15 @@ def test_shear_strain_has_an_equivalent_of_its_own():
 
 
 def test_the_last_whole_cycle_counts():
-    """It begins with the state in which the one before has ended."""
+    """From the step with which it ends; the next one begins with the state that it leaves."""
     found = cycles()
-    follow(found, 1, (0.0, -8e-3, 1e-3))
-    follow(found, 2, (-2e-3, 0.0), plastic=-3e-4)
+    follow(found, 1, (0.0, -8e-3, 1e-3), ends=True)
     np.testing.assert_allclose(found.strain_range, 9e-3 * SIZES)
+    follow(found, 2, (-2e-3,), plastic=-3e-4)
+    np.testing.assert_allclose(found.strain_range, 9e-3 * SIZES)
+    follow(found, 2, (0.0,), plastic=-3e-4, ends=True)
+    np.testing.assert_allclose(found.strain_range, 3e-3 * SIZES + 3e-4)
+    np.testing.assert_allclose(found.temperature[:2], 20.0 - 0.05)
     follow(found, 3, (5e-3,), plastic=7e-4)
     np.testing.assert_allclose(found.strain_range, 3e-3 * SIZES + 3e-4)
     np.testing.assert_allclose(found.temperature[:2], 20.0 - 0.05)
@@ -100,12 +105,13 @@ def test_a_bent_path_is_not_overestimated():
 def test_a_restored_cycle_goes_on():
     whole, first, second = cycles(), cycles(), cycles()
     path = [(1, 0.0), (1, -4e-3), (1, 1e-3), (2, 2e-3), (2, -1e-3), (3, 0.0)]
-    for cycle, value in path:
-        follow(whole, cycle, (value,))
-    for cycle, value in path[:4]:
-        follow(first, cycle, (value,))
+    last = (2, 4)
+    for number, (cycle, value) in enumerate(path):
+        follow(whole, cycle, (value,), ends=number in last)
+    for number, (cycle, value) in enumerate(path[:4]):
+        follow(first, cycle, (value,), ends=number in last)
     second.restore({name: saved.values for name, saved in first.saved().items()})
-    for cycle, value in path[4:]:
-        follow(second, cycle, (value,))
+    for number, (cycle, value) in enumerate(path[4:], 4):
+        follow(second, cycle, (value,), ends=number in last)
     np.testing.assert_array_equal(second.strain_range, whole.strain_range)
     np.testing.assert_array_equal(second.temperature, whole.temperature)
