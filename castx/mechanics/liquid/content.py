@@ -13,7 +13,12 @@ by is the void of the pocket,
 
     Σ V (θ − e) ≥ 0,
 
-spread evenly over the pool. What a cell holds of it when its solid begins to grow stays as
+spread evenly over the pool. Walls squeeze a pool that is cut off after a part m of a step in what
+is left of it alone. With strains that grow evenly from θ_0 on, and the demand d from the cut on,
+
+    (1 − m) (θ − θ_0) + d ≥ 0,   e = θ_0 − d/(1 − m),
+
+and the void is 1 − m times as large. What a cell holds of it when its solid begins to grow stays as
 porosity, and where a pocket has no pool any more pores open in the cells that still freeze. Volumes
 are those of solid metal, and for each body demand = fed + growth of the voids + what the walls of
 the pockets gave way.
@@ -68,6 +73,7 @@ class Content:
         self._last_count = self._groups = 0
         self._group: IntArray = self.pocket
         self._unfed: FloatArray = none
+        self._left: FloatArray = np.ones(cells)
         self._was_pool: BoolArray = np.zeros(cells, dtype=bool)
         self._liquid: BoolArray = np.zeros(cells, dtype=bool)
 
@@ -104,6 +110,7 @@ class Content:
         self._groups = self._last_count + cut.groups
         unfed = (self._last_region != -1) | (self.pocket >= 0)
         self._unfed = np.where(newly, shrunk - at_cut, unfed * (shrunk - self._shrunk))
+        self._left = np.where(newly & liquid, 1.0 - cut.moment, 1.0)
         # Cells that were fed until the cut were full at the volume that they had.
         gained = np.where(liquid | newly | ~unfed, 0.0, gained)
         self._fill(self._unfed + gained, dilatation)
@@ -129,7 +136,7 @@ class Content:
         inside = group >= 0
         drawn[inside], alone[inside] = share[group[inside]], room[group[inside]] == 0
         full = np.where(self._was_pool, self._full, dilatation - self._pores)
-        self._trial_full = np.where(pool, full - change - drawn, 0.0)
+        self._trial_full = np.where(pool, full - (change + drawn) / self._left, 0.0)
         self._trial_pores = np.where(self._liquid, 0.0, self._pores)
         final = alone & ~self._liquid  # nothing is left from which it could draw
         self._trial_pores[final] = np.maximum(self._pores + change, 0.0)[final]
@@ -173,6 +180,8 @@ class Content:
     def void_fraction(self, dilatation: FloatArray) -> FloatArray:
         """Return the void of each pocket over its volume, shape (pockets,); collective.
 
+        It is that of walls which move throughout the step as they do from the cut on.
+
         Args:
             dilatation: volumetric strain θ of the cells, shape (cells,).
         """
@@ -192,7 +201,7 @@ class Content:
         fed = change - self._unfed
         again = self._liquid & ~pool
         fed[again] = (change + self._pores)[again]
-        fraction = self.void_fraction(dilatation)
+        fraction = self.mean(self._left) * self.void_fraction(dilatation)
         cells = pool.copy()
         cells[pool] = porous[self.pocket[pool]]
         self._full, self._pores = self._trial_full.copy(), self._trial_pores.copy()

@@ -21,6 +21,10 @@ from castx.domain.measures import nodes_on_facets
 from castx.domain.mesh import BodyMesh
 from castx.mechanics.liquid.regions import CellRegions
 
+LATEST = 0.999
+"""Part of a step after which liquid is cut off at the latest: with nothing left of the step, the
+motion of its walls from then on would be no share of their motion in it."""
+
 
 class CutOff(NamedTuple):
     """Cells of a body that no liquid reaches at the end of a step, and since when in it.
@@ -109,7 +113,7 @@ class FeedingPaths:
             pockets = behind(moments[first])
             same = np.isin(pockets, self._numbers(pockets[cells]))
             own = fed & (found.group < 0) & same & (pockets >= 0)
-            found.group[own], found.moment[own] = groups, moments[first]
+            found.group[own], found.moment[own] = groups, min(moments[first], LATEST)
             groups += 1
         return found._replace(groups=groups)
 

@@ -9,11 +9,15 @@ from castx.report.summary.finding import Finding, Shown
 from castx.report.summary.solid import last_ends
 from castx.results.reading import Results
 
+STRESSED = 1.0
+"""Stress below which a body bears none but by rounding [Pa]: no error is a share of that."""
+
 
 def mesh_errors(run: Results) -> Iterator[Finding]:
     """Yield the relative errors of stress at the last end and of heat flux over the run."""
     for body, time, found in last_ends(run):
-        if known := found.get("stress_error"):
+        known = found.get("stress_error")
+        if known and known["size"] >= STRESSED:
             yield Finding(
                 "Error of the stress by the mesh", body, known["relative"], "%",
                 f"{_mega(known)} of {_mega(known, 'size')}, root mean squares over what is solid, "

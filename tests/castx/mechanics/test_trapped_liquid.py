@@ -480,7 +480,8 @@ def test_liquid_that_is_cut_off_is_full_at_the_volume_that_it_has(comm, cells):
     part.commit()
     totals = part.liquid_totals()
     assert totals["fed_volume"] == totals["feeding_demand"] > 0.0  # that of the skin
-    assert totals["unfed_volume"] == pytest.approx(2e-4 * LENGTH * WIDTH / 2, rel=1e-8)
+    # The skin shuts it in when its nodes are 70 % solid: 0.3 of the motion is left.
+    assert totals["unfed_volume"] == pytest.approx(0.3 * 2e-4 * LENGTH * WIDTH / 2, rel=1e-8)
 
 
 @kinds

@@ -315,6 +315,37 @@ def test_what_freezes_before_the_cut_is_fed() -> None:
 
 
 @pytest.mark.serial
+@pytest.mark.parametrize("moment", [0.0, 0.25, 0.9, 0.999])
+@pytest.mark.parametrize("porous", [ONE, ~ONE], ids=["porous", "full"])
+def test_a_cut_in_a_step_is_one_between_two_steps(moment: float, porous) -> None:
+    """Liquid freezes and walls close in evenly: pools feel their walls from the cut on alone."""
+    one, two = content(), content()
+    for each in (one, two):
+        begin(each, [0.0] * 5, [-1] * 5)
+        commit(each)
+    end = np.array([0.5, 0.4, 0.3, 0.2, 0.1])
+    lacking = (1.0 - moment) * S * VOLUMES @ end
+    # A full pool has moved its walls by what it lacks from the cut on, one with pores by less.
+    moved = -(0.4 if porous else 1.0) * lacking / 15.0 / (1.0 - moment)
+    start: FloatArray = np.full(5, moment * moved)
+    theta: FloatArray = np.full(5, moved)
+    begin(two, list(moment * end), [-1] * 5)
+    two.commit(start, porous[:0])
+    shrunk, zeros = S * end, np.zeros(5, dtype=np.int32)
+    cuts = CutOff(zeros, np.full(5, moment), zeros, 1), throughout([0] * 5)
+    full: FloatArray = np.zeros(5)
+    for each, cut, before in zip((one, two), cuts, (full, start), strict=True):
+        each.begin(cut, np.ones(5, dtype=bool), shrunk, moment * shrunk, before)
+        assert (each.void_fraction(theta) > 1e-9) == porous
+        each.commit(theta, porous)
+    assert one.void == pytest.approx(0.6 * lacking if porous else 0.0, rel=1e-9)
+    assert (one.demand, one.fed, one.void) == pytest.approx((two.demand, two.fed, two.void))
+    for name in ("content", "pores"):
+        found, expected = (each.saved()[name].values for each in (one, two))
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-14, err_msg=name)
+
+
+@pytest.mark.serial
 def test_what_is_cut_off_and_freezes_in_one_step_keeps_its_pores() -> None:
     cells = content()
     begin(cells, [0.0] * 5, [-1] * 5)
