@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from castx.input.units import plain_text
+from castx.input.units import plain_text, seconds_text
 from castx.report.summary.finding import Finding, Shown, place_text
+from castx.report.summary.freezing import taken_out
 from castx.results.reading import Results
 from castx.results.states.quantities import PRINCIPAL, parts
 
@@ -49,7 +50,7 @@ def residual_stress(run: Results) -> Iterator[Finding]:
             f"Largest principal stress{_most(stress.get('high_principal'))}; von Mises at most "
             f"{_mega(mises['value'])} at {place_text(mises['place'], run.model)}, "
             f"{_mega(stress['mean_von_mises'])} in the mean{_most(stress.get('high_von_mises'))}."
-            + told + "".join(beyond_strength(run, body, pull["value"])),
+            + told + "".join(beyond_strength(run, body, pull["value"])) + _gone(run, body, time),
             factor=1e-6, place=pull["place"], time=time,
             shown=Shown(PRINCIPAL[0], (body,), time),
         )  # fmt: skip
@@ -90,6 +91,12 @@ def beyond_strength(run: Results, body: str, stress: float) -> Iterator[str]:
         yield f" No {run.record['bodies'][body]['material']} bears more than {_mega(strength)}."
 
 
+def _gone(run: Results, body: str, time: float) -> str:
+    if taken_out(run, body) is None:
+        return ""
+    return f" {body} was removed: this is its state at {seconds_text(time)}."
+
+
 def _most(stress: float | None) -> str:
     return "" if stress is None else f" (99 % of the volume below {_mega(stress)})"
 
@@ -111,7 +118,7 @@ def distortion(run: Results) -> Iterator[Finding]:
             "Distortion", body, abs(most["value"]), "mm",
             f"Largest deviation from the nominal surface; positive outward, it goes from "
             f"{1e3 * into['value']:.3g} to {1e3 * out['value']:.3g} mm; allowance "
-            + ", ".join(map(_allowance, axes, shape["allowance"])) + ".",
+            + ", ".join(map(_allowance, axes, shape["allowance"])) + "." + _gone(run, body, time),
             factor=1e3, place=most["place"], time=time,
             shown=Shown("deviation", (body,), time, moved=True),
         )  # fmt: skip

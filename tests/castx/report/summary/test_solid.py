@@ -69,6 +69,16 @@ def test_castings_come_first_and_a_body_that_is_gone_keeps_its_last_end():
     assert second.topic == "Stress at the end" and "residual" not in second.sentence
 
 
+def test_a_body_that_was_removed_says_of_when_its_state_is():
+    """A core or a half that is drawn before the end of the run; what stays says nothing."""
+    found = with_ends(end(0, 20.0, 5e7, "casting", "mould"))
+    found.record["process"] = [{"time": 20.0, "bodies": ["casting"], "removed": {"mould": 1e-6}}]
+    for findings in (residual_stress(found), distortion(found)):
+        casting, mould = findings
+        assert mould.sentence.endswith("mould was removed: this is its state at 20 s.")
+        assert "removed" not in casting.sentence
+
+
 def test_a_body_without_distortion_has_its_stress():
     closed = end(0, 10.0, 5e7)
     del closed["bodies"]["casting"]["distortion"]
