@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 import re
+import signal
 from pathlib import Path
 from subprocess import STDOUT, TimeoutExpired
 from typing import Any
@@ -19,6 +20,13 @@ PATIENCE = 3600.0
 """Time that it may take [s]."""
 LONGEST = 8000
 """Characters of a refusal that are shown."""
+DAMAGED = "the part is damaged, repair it in CAD and export it again"
+STOPPED = (
+    "something else stopped it, as the system does when memory runs out: choose larger sizes, or "
+    "run it alone"
+)
+FROM_OUTSIDE = (-signal.SIGKILL, -signal.SIGTERM)
+"""Exit codes of a process that did not end by itself."""
 CROSSING = re.compile(r"intersect at point \(([-+.\de]+),([-+.\de]+),([-+.\de]+)\)")
 """What gmsh prints of faces that cross each other."""
 
@@ -79,9 +87,9 @@ def _answered(part: CadPart, mesh: Path, patience: float | None, *wanted: str) -
         kind = SizesError if ended.returncode == NO_CELLS else MeshError
         raise kind(text if source in text else f"{source}: {text}")
     if ended.returncode != 0 or not answer.is_file():
+        cure = STOPPED if ended.returncode in FROM_OUTSIDE else DAMAGED
         raise MeshError(
-            f"{source} cannot be meshed: {end_of('mesher', ended.returncode, ended.stdout)}; the "
-            "part is damaged, repair it in CAD and export it again"
+            f"{source} cannot be meshed: {end_of('mesher', ended.returncode, ended.stdout)}; {cure}"
         )
     return json.loads(answer.read_text())
 

@@ -17,7 +17,7 @@ NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chro
 TRIES = 5
 """Clicks beside what moves away, as when a field that was typed into comes into view."""
 
-PATIENCE = 120.0  # s; a busy machine takes several times as long as an idle one
+PATIENCE = 240.0  # s; a busy machine takes several times as long as an idle one
 
 
 def found_browser() -> str | None:

@@ -55,6 +55,19 @@ def test_a_mesher_that_dies_or_waits(tmp_path, monkeypatch):
         meshed_apart(part, tmp_path / "mesh.msh")
 
 
+@pytest.mark.parametrize(
+    ("by", "told"),
+    [("SEGV", "the part is damaged"), ("KILL", "memory runs out"), ("TERM", "memory runs out")],
+)
+def test_a_mesher_that_the_system_stops_is_no_fault_of_the_part(tmp_path, monkeypatch, by, told):
+    script = tmp_path / "ends"
+    script.write_text(f"#!/bin/sh\nkill -{by} $$\n")
+    script.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(script))
+    with pytest.raises(MeshError, match=rf"a\.step cannot be meshed: .* by SIG{by} .*{told}"):
+        meshed_apart(CadPart((CadFile("a.step"),), 0.01), tmp_path / "mesh.msh")
+
+
 def test_the_place_where_faces_cross():
     said = "PLC Error:  A segment and a facet intersect at point (8.5,-1e1,0).\n"
     assert place_in(said) == " (faces cross at (0.0085, -0.01, 0) m)"
