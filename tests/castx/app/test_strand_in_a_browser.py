@@ -26,8 +26,10 @@ def billet(occ):
 def test_a_strand_from_its_step_file_to_its_mesh(tmp_path, monkeypatch):
     with opened_folder(tmp_path, monkeypatch, {}) as (browser, folder):
         write_cad(folder / "billet.step", billet, ["billet"])
-        browser.value("location.reload()")
-        browser.wait_for("document.body && document.body.dataset.ready === 'yes'")
+        browser.press("#again")
+        browser.wait_for(
+            "[...castx.at('new-part').options].some((one) => one.value === 'billet.step')"
+        )
         browser.choose("#new-part", "billet.step")
         browser.wait_for(f"{AT.format('part-size')}.includes('60 × 60 × 100 mm')")
         browser.choose("#new-process", "continuous")
