@@ -110,7 +110,7 @@ class Content:
         self._groups = self._last_count + cut.groups
         unfed = (self._last_region != -1) | (self.pocket >= 0)
         self._unfed = np.where(newly, shrunk - at_cut, unfed * (shrunk - self._shrunk))
-        self._left = np.where(newly & liquid, 1.0 - cut.moment, 1.0)
+        self._left = 1.0 - cut.moment
         # Cells that were fed until the cut were full at the volume that they had.
         gained = np.where(liquid | newly | ~unfed, 0.0, gained)
         self._fill(self._unfed + gained, dilatation)
